@@ -81,7 +81,7 @@ def _package_version(package: str) -> str:
 def liggghts_parameters(scenario: Scenario, seed: int) -> str:
     """The scenario as LIGGGHTS variables: every key with dots as underscores, and the derived quantities."""
     clump, box, grid = derived.clump(scenario), derived.apparatus(scenario), derived.time_grid(scenario)
-    values = {key.replace(".", "_"): p.value for key, p in scenario.parameters.items()}
+    values = {key.replace(".", "_"): p.value for key, p in scenario.parameters.items() if p.value != ""}
     values |= {
         "clump_radius": clump.radius_m, "clump_half_distance": clump.half_distance_m, "clump_volume": clump.volume_m3,
         "clump_mass": clump.mass_kg, "clump_inertia_axial": clump.inertia_axial_kgm2,
