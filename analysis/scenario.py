@@ -42,6 +42,12 @@ class Scenario:
     def __getitem__(self, key: str):
         return self.parameters[key].value
 
+    def replace(self, key: str, value) -> Scenario:
+        """A copy with one value changed, for calibration and sensitivity studies; its status becomes `assumed`."""
+        old = self.parameters[key]
+        new = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
+        return Scenario(self.name, self.profile, self.title, self.parameters | {key: new})
+
     @property
     def hash(self) -> str:
         """Twelve hex digits over all values: equal exactly when two runs had the same parameters."""
