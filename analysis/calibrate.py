@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from . import derived
 from .engines import CODES, ROOT, command, versions, write_inputs
 from .lattice import lattice_bed
 from .microstructure import bed_statistics
@@ -67,7 +66,7 @@ def main(argv: list[str] | None = None) -> int:
         sites = len(lattice_bed(scenario, options.seed))
         statistics = bed_statistics(bed, scenario)
         rows.append({"code": options.code, "seed": options.seed, "lattice_gap_m": gap, "lattice_sites": sites, **statistics,
-                     "clumps_over_reported": statistics["clumps"] / (REPORTED_CLUMPS * derived.apparatus(scenario).width_m / 0.6),
+                     "clumps_over_reported": statistics["clumps"] / (REPORTED_CLUMPS * scenario["geometry.width_scale"]),
                      "porosity_reported": REPORTED_POROSITY})
         print(pd.DataFrame(rows[-1:]).to_string(index=False, header=len(rows) == 1), flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
