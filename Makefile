@@ -1,0 +1,97 @@
+# Ballast under cyclic load, in YADE and in LIGGGHTS. `make` alone prints what there is.
+
+SCENARIO ?= linear-mu0.8
+CODE     ?= liggghts
+PROFILE  ?= demo
+SEED     ?= 1
+NP       ?= 1
+RESULTS  ?= results
+CYCLES   ?=
+BED      ?=
+CASE     ?= nonlinear-md1-en0.6
+
+PYTHON   ?= python3
+ANALYSIS := .venv/bin/python -m analysis
+STAMP    := .venv/installed
+OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULTS) $(if $(CYCLES),--cycles $(CYCLES)) $(if $(BED),--bed $(BED))
+FOLDER    = $(RESULTS)/$(PROFILE)/$(SCENARIO)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo demo-yade demo-liggghts run status compare report view verify impact reference calibrate bench \
+        test clean distclean distclean-run FORCE
+
+help: ## this list
+	@awk 'BEGIN { FS = ":.*## " } /^##/ { printf "\n%s\n", substr($$0, 4) } \
+	      /^[a-z%-]+:.*## / { printf "  make %-22s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@printf '\nVariables (now):\n  SCENARIO=%s  CODE=%s  PROFILE=%s  SEED=%s  NP=%s  RESULTS=%s  CYCLES=%s  BED=%s\n' \
+	    '$(SCENARIO)' '$(CODE)' '$(PROFILE)' '$(SEED)' '$(NP)' '$(RESULTS)' '$(CYCLES)' '$(BED)'
+	@echo '  PROFILE=demo is a slice of the bed (minutes); PROFILE=full is the bed of the paper (hours).'
+	@echo '  A run that was stopped goes on when the same command is given again.'
+
+## Simulations
+demo: setup ## both codes, linear-mu0.8 and nonlinear-en1.0, small bed, and the report (minutes)
+	@$(MAKE) --no-print-directory -j2 demo-yade demo-liggghts PROFILE=demo
+	@$(ANALYSIS) report --results $(RESULTS)
+
+demo-yade demo-liggghts: demo-%: setup
+	@$(ANALYSIS) run linear-mu0.8 --code $* --progress lines $(OPTIONS)
+	@$(ANALYSIS) run nonlinear-en1.0 --code $* --progress lines $(OPTIONS)
+
+run: setup ## one scenario: make run SCENARIO=linear-mu0.8 CODE=yade PROFILE=full CYCLES=20 SEED=2
+	@$(ANALYSIS) run $(SCENARIO) --code $(CODE) $(OPTIONS)
+
+# For any scenario of scenarios.toml: make liggghts-linear-mu0.8, make yade-nonlinear-en1.0 ...
+yade-%: setup FORCE ## the same by name, for every scenario of scenarios.toml: make yade-nonlinear-en1.0 PROFILE=full
+	@$(ANALYSIS) run $* --code yade $(OPTIONS)
+liggghts-%: setup FORCE ## likewise: make liggghts-linear-mu0.8 CYCLES=20
+	@$(ANALYSIS) run $* --code liggghts $(OPTIONS)
+
+status: $(STAMP) ## all runs: stage, cycle, speed, time left, tracking error, state
+	@$(ANALYSIS) status --results $(RESULTS)
+
+## Results
+compare: $(STAMP) ## rebuild report/index.html from the runs that exist
+	@$(ANALYSIS) report --results $(RESULTS)
+report: compare ## the same
+view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
+	@$(ANALYSIS) view $(SCENARIO) --code $(CODE) --profile $(PROFILE) --seed $(SEED) --results $(RESULTS)
+reference: $(STAMP) ## the reference curves and their state
+	@$(ANALYSIS) reference
+
+## Checks
+test: setup ## all tests, with both codes
+	@.venv/bin/python -m pytest
+verify: setup ## contact laws and clumps of both codes against closed forms
+	@$(ANALYSIS) verify
+impact: setup ## two clumps against each other: make impact CASE=nonlinear-md1-en0.6
+	@$(ANALYSIS) impact $(CASE)
+calibrate: setup ## clumps and porosity over the lattice gap (hours)
+	@$(ANALYSIS) calibrate
+bench: setup ## steps per second of both codes
+	@$(ANALYSIS) bench --profile $(PROFILE)
+
+## Housekeeping
+setup: ## packages, Python environment and LIGGGHTS host, where missing
+	@./setup.sh
+	@$(MAKE) --no-print-directory $(STAMP)
+	@$(MAKE) --no-print-directory -C liggghts
+
+$(STAMP): pyproject.toml
+	@test -x .venv/bin/python || $(PYTHON) -m venv .venv
+	@.venv/bin/python -c 'import sys; sys.version_info >= (3, 11) or sys.exit("setup: Python 3.11 or newer is needed; give PYTHON=path")'
+	@echo 'setup: installing the Python packages of pyproject.toml into .venv'
+	@.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+clean: ## what was built; never results
+	rm -rf liggghts/build .pytest_cache build *.egg-info
+	find . -name __pycache__ -not -path './.venv/*' -exec rm -rf {} +
+
+distclean-run: ## delete one run, after asking: make distclean-run SCENARIO=... CODE=... PROFILE=... SEED=...
+	@test -d '$(FOLDER)' || { echo 'no such run: $(FOLDER)'; exit 1; }
+	@printf 'Delete %s? Type yes: ' '$(FOLDER)'; read -r answer; test "$$answer" = yes && rm -rf '$(FOLDER)'
+
+distclean: ## all that is not in the repository: results, report, .venv; asks first
+	@printf 'Delete %s, report, .venv and all that was built? Type yes: ' '$(RESULTS)'; read -r answer; test "$$answer" = yes
+	@$(MAKE) --no-print-directory clean
+	rm -rf '$(RESULTS)' report .venv

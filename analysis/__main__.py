@@ -1,0 +1,33 @@
+"""Command line: `python -m analysis COMMAND ...`; the Makefile calls nothing else."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+COMMANDS = {
+    "run": "simulate one scenario in one code, or go on with it",
+    "status": "list all runs",
+    "report": "rebuild the report from the runs that exist",
+    "verify": "contact laws and clumps of both codes against closed forms",
+    "impact": "two clumps against each other: restitution of a scenario's law",
+    "reference": "the reference curves and their state",
+    "view": "pictures of a bed, and files for ParaView",
+    "calibrate": "tune the lattice gap to the paper's number of clumps",
+    "bench": "steps per second of both codes",
+}
+
+
+def main(argv: list[str]) -> int:
+    """Hand the arguments to the module of the command, imported only now so that each stays quick to start."""
+    if not argv or argv[0] not in COMMANDS:
+        unknown = argv and argv[0] not in ("-h", "--help")
+        print("usage: python -m analysis COMMAND ... (each has --help)\n\n"
+              + "\n".join(f"  {name:10} {purpose}" for name, purpose in COMMANDS.items()),
+              file=sys.stderr if unknown else sys.stdout)
+        return 2 if unknown else 0
+    return importlib.import_module(f".{argv[0]}", "analysis").main(argv[1:]) or 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
