@@ -95,7 +95,7 @@ def apparatus(s) -> Apparatus:
 
 @dataclass(frozen=True)
 class TimeGrid:
-    """The time step, adjusted (by less than 1 %) so that output rows and blocks are whole numbers of steps."""
+    """The time step, adjusted (by less than 1 % in the paper's scenarios) so that rows and blocks are whole steps."""
 
     step_s: float
     steps_per_cycle: int

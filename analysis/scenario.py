@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
+import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -77,10 +78,10 @@ def _refuse(path: Path, key: str, value, allowed: str) -> ScenarioError:
 
 
 def _leaves(table: dict, prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Yield (dotted key, leaf); a leaf is a table with a `value`, or anything that is not a table."""
+    """Yield (dotted key, leaf); a leaf is a table with a `value`, an empty table, or anything that is not a table."""
     for name, entry in table.items():
         key = f"{prefix}{name}"
-        if isinstance(entry, dict) and "value" not in entry and key not in KEYS:
+        if isinstance(entry, dict) and entry and "value" not in entry and key not in KEYS:
             yield from _leaves(entry, key + ".")
         else:
             yield key, entry
@@ -102,7 +103,11 @@ def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
         raise _refuse(path, f"{name}.source", entry["source"], "a text that is not empty")
     if not known.accepts(entry["value"]):
         raise _refuse(path, f"{name}.value", entry["value"], known.allowed())
-    value = float(entry["value"]) if known.kind is float else entry["value"]
+    value = entry["value"]
+    if known.kind is float:
+        value = float(value)
+    elif known.kind is list:
+        value = [known.item(v) for v in value]
     return Parameter(value, entry["unit"], entry["status"], entry["source"])
 
 
@@ -111,7 +116,8 @@ def _read(path: Path) -> dict:
         with open(path, "rb") as file:
             content = tomllib.load(file)
     except OSError as error:
-        raise ScenarioError(f"{path.name}: cannot be read ({error.strerror}); give the path of a scenario file") from None
+        reason = f"cannot be read ({error.strerror}); give the path of a scenario file"
+        raise ScenarioError(f"{path.name}: {reason}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
     for section in content:
@@ -120,6 +126,10 @@ def _read(path: Path) -> dict:
     for section in ("base", "scenario", "profile"):
         if not isinstance(content.get(section), dict):
             raise _refuse(path, section, content.get(section), f"a table [{section}]")
+    for section in ("scenario", "profile"):
+        for name in content[section]:
+            if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", name, re.ASCII):    # it names folders and make targets
+                raise _refuse(path, f"{section} name", name, "letters, digits and . _ + -")
     return content
 
 
@@ -153,6 +163,14 @@ def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, 
     """
     path = Path(path)
     content = _read(path)
+    scenario = _resolve(path, content, name, profile, cycles)
+    _check_together(path, scenario)
+    _check_bed(path, content, scenario)
+    return scenario
+
+
+def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | None = None) -> Scenario:
+    """Lay the layers over each other, each value checked by itself."""
     if name not in content["scenario"]:
         raise ScenarioError(f"{path.name}: scenario {name!r} is unknown; known: {', '.join(content['scenario'])}")
     if profile not in content["profile"]:
@@ -177,19 +195,18 @@ def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, 
     _, values = _overlay(path, f"profile.{profile}", content["profile"][profile], ("title",))
     for key in values:
         if key not in PROFILE_KEYS:
-            raise _refuse(path, f"profile.{profile}.{key}", values[key].value, "size and length only: " + ", ".join(PROFILE_KEYS))
+            raise _refuse(path, f"profile.{profile}.{key}", values[key].value,
+                          "size and length only: " + ", ".join(PROFILE_KEYS))
     for layer in (*layers, values):
         parameters.update(layer)
     if cycles is not None:
         parameters["loading.cycles"] = _parameter(path, "CYCLES", "loading.cycles", {
             "value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"})
 
-    scenario = Scenario(name, profile, title, parameters)
-    _check_together(path, scenario, content)
-    return scenario
+    return Scenario(name, profile, title, parameters)
 
 
-def _check_together(path: Path, s: Scenario, content: dict) -> None:
+def _check_together(path: Path, s: Scenario) -> None:
     """Refuse values that are each allowed but impossible together."""
 
     def refuse(key: str, allowed: str) -> ScenarioError:
@@ -197,11 +214,13 @@ def _check_together(path: Path, s: Scenario, content: dict) -> None:
 
     if s["contact.model"] == "hysteretic" and s["contact.particle_particle.damping_mode"] == 0 \
             and s["contact.particle_particle.restitution"] == 0:
-        raise refuse("contact.particle_particle.restitution", "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0")
+        raise refuse("contact.particle_particle.restitution",
+                     "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0")
     if s["loading.stress_max"] <= s["loading.stress_min"]:
         raise refuse("loading.stress_max", f"> loading.stress_min = {s['loading.stress_min']:g} Pa")
     if s["preload.sleeper_stress"] != s["loading.stress_min"]:
-        raise refuse("preload.sleeper_stress", f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts")
+        raise refuse("preload.sleeper_stress",
+                     f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts")
     if s["geometry.sleeper_length"] > s["geometry.box_length"]:
         raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m")
     if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
@@ -210,29 +229,58 @@ def _check_together(path: Path, s: Scenario, content: dict) -> None:
         raise refuse("geometry.sleeper_height", "a sleeper whose top is not above the box")
     stack = s["geometry.plate_count"] * (s["geometry.plate_height"] + s["geometry.plate_gap"])
     if stack > s["geometry.box_height"]:
-        raise refuse("geometry.plate_height", f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m")
+        raise refuse("geometry.plate_height",
+                     f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m")
     if len(s["geometry.measurement_x"]) != 3:
         raise refuse("geometry.measurement_x", "three values")
     radius = s["geometry.measurement_radius"]
     for x in s["geometry.measurement_x"]:
         if x - radius < -1e-9 or x + radius > s["geometry.box_length"] + 1e-9:
             raise refuse("geometry.measurement_x", "measurement spheres inside the box")
-    if s["geometry.measurement_z"] - radius < -1e-9 or s["geometry.measurement_z"] + radius > s["geometry.sleeper_base"] + 1e-9:
+    z = s["geometry.measurement_z"]
+    if z - radius < -1e-9 or z + radius > s["geometry.sleeper_base"] + 1e-9:
         raise refuse("geometry.measurement_z", "measurement spheres between floor and sleeper base")
     if s["packing.relax_stiffness"][-1] != 1.0:
         raise refuse("packing.relax_stiffness", "fractions that end at 1")
     grown = s["packing.lattice_radius"] * s["packing.growth"]
     if abs(grown - s["clump.ball_radius"]) > 1e-6:
-        raise refuse("packing.growth", f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m")
+        raise refuse("packing.growth",
+                     f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m")
     if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
         raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
-    if derived.void_fraction_of_lattice(s) <= 0:
+    diameter = 2 * derived.clump(s).radius_m
+    if s["geometry.plate_gap"] >= diameter:
+        raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")
+    if derived.apparatus(s).width_m < 2 * s["clump.ball_radius"]:
+        raise refuse("geometry.width_scale", "a slice wide enough for one clump")
+    void = derived.void_fraction_of_lattice(s)
+    if void <= 0:
         raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
+    if void > 0.6:
+        raise refuse("packing.lattice_gap",
+                     f"a gap whose bed can reach the sleeper: lattice porosity at most 0.6, here {void:.3g}")
     limit = derived.critical_time_step(s)
-    if s["time.step"] > limit:
-        raise refuse("time.step", f"<= {limit:.3g} s, the critical step of one contact")
+    if max(s["time.step"], derived.time_grid(s).step_s) > limit:
+        raise refuse("time.step",
+                     f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows")
+
+
+def _check_bed(path: Path, content: dict, s: Scenario) -> None:
+    """Refuse a bed that another scenario cannot give: unknown, borrowed itself, or of other clumps in another box."""
     bed = s["packing.bed_from"]
-    if bed and bed not in content["scenario"]:
-        raise refuse("packing.bed_from", "empty or one of " + ", ".join(content["scenario"]))
+    if not bed:
+        return
+
+    def refuse(allowed: str) -> ScenarioError:
+        return _refuse(path, f"scenario.{s.name}: packing.bed_from", bed, allowed)
+
     if bed == s.name:
-        raise refuse("packing.bed_from", "another scenario")
+        raise refuse("another scenario")
+    if bed not in content["scenario"]:
+        raise refuse("empty or one of " + ", ".join(content["scenario"]))
+    other = _resolve(path, content, bed, s.profile)
+    if other["packing.bed_from"]:
+        raise refuse(f"a scenario that packs its own bed, as {other['packing.bed_from']} does")
+    for line in s.differences(other):
+        if line.startswith(("geometry.", "clump.")):
+            raise refuse(f"a scenario with the same box and clumps, but {line}")

@@ -5,6 +5,7 @@ The unit is part of the key's definition, so a value given in another unit is re
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 
 STATUSES = ("reported", "derived", "assumed", "calibrated")
@@ -44,7 +45,7 @@ class Key:
         if isinstance(value, bool):
             return False
         if self.kind is float:
-            if not isinstance(value, (int, float)) or not abs(value) < float("inf"):
+            if not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
                 return False
         elif not isinstance(value, self.kind):
             return False
