@@ -190,117 +190,152 @@ BAD = {
     "unknown section": (lambda t: t + "\n[scenarios.mine]\n", ["scenarios", "the sections base, scenario and profile"]),
     "no profiles": (lambda t: t.split("[profile.full]")[0], ["profile", "a table [profile]"]),
     "missing key": (_replace("clump]\nball_radius", "clump]\n#ball_radius"), ["base.clump.ball_radius", "missing"]),
-    "misspelt key": (_entry(f"{PP}.fricton", leaf(0.5)),
+    "misspelt key": (
+        _entry(f"{PP}.fricton", leaf(0.5)),
         [f"scenario.mine.{PP}.fricton", "perhaps contact.particle_particle.friction"]),
     "unknown table": (_entry("weather.rain", leaf(1)), ["scenario.mine.weather.rain", "a known key"]),
     "empty unknown table": (lambda t: t + "\n[scenario.mine.contcat]\n", ["scenario.mine.contcat", "a known key"]),
-    "bare value": (_entry(f"{PP}.friction", "0.5"),
+    "bare value": (
+        _entry(f"{PP}.friction", "0.5"),
         [f"{PP}.friction", "0.5", "exactly value, unit, status and source"]),
-    "no source": (_entry(f"{PP}.friction", '{ value = 0.5, unit = "-", status = "assumed" }'),
+    "no source": (
+        _entry(f"{PP}.friction", '{ value = 0.5, unit = "-", status = "assumed" }'),
         [f"{PP}.friction", "exactly value, unit, status and source"]),
-    "no value": (_entry(f"{PP}.friction", '{ unit = "-", status = "assumed", source = "x" }'),
+    "no value": (
+        _entry(f"{PP}.friction", '{ unit = "-", status = "assumed", source = "x" }'),
         [f"{PP}.friction", "exactly value, unit, status and source"]),
     "extra field": (
         _entry(f"{PP}.friction", '{ value = 0.5, unit = "-", status = "assumed", source = "x", note = "y" }'),
         [f"{PP}.friction", "exactly value"]),
     "empty source": (_entry(f"{PP}.friction", leaf(0.5, source=" ")), [f"{PP}.friction.source", "not empty"]),
-    "unknown status": (_entry(f"{PP}.friction", leaf(0.5, status="guessed")),
+    "unknown status": (
+        _entry(f"{PP}.friction", leaf(0.5, status="guessed")),
         [f"{PP}.friction.status", "guessed", "reported, derived, assumed, calibrated"]),
     "wrong unit": (_entry("clump.ball_radius", leaf(18.5, unit="mm")), ["clump.ball_radius.unit", "mm", '"m"']),
-    "scenario is no table": (lambda t: t.replace("[base.geometry]", "scenario.mine = 5\n[base.geometry]"),
+    "scenario is no table": (
+        lambda t: t.replace("[base.geometry]", "scenario.mine = 5\n[base.geometry]"),
         ["scenario.mine", "5", "a table"]),
     "title is no text": (lambda t: t + "\n[scenario.mine]\ntitle = 5\n", ["scenario.mine.title", "5", "a text"]),
     "base is no text": (_mine("base = 5"), ["scenario.mine.base", "5", "a text"]),
     "base is unknown": (_mine('base = "nonlinear"'), ["scenario.mine.base", "nonlinear", "nonlinear-en1.0"]),
-    "bases go in a circle": (lambda t: with_scenario(t, 'base = "other"') + '\n[scenario.other]\nbase = "mine"\n',
+    "bases go in a circle": (
+        lambda t: with_scenario(t, 'base = "other"') + '\n[scenario.other]\nbase = "mine"\n',
         ["scenario.other.base", "mine", "without a circle"]),
     "name is a path": (lambda t: with_scenario(t, "") + '\n[scenario."../up"]\n', ["../up", "letters, digits"]),
-    "profile changes physics": (lambda t: t + f"\n[profile.full.contact.particle_particle]\nfriction = {leaf(0.5)}\n",
+    "profile changes physics": (
+        lambda t: t + f"\n[profile.full.contact.particle_particle]\nfriction = {leaf(0.5)}\n",
         [f"profile.full.{PP}.friction", "0.5", "size and length only", *PROFILE_KEYS]),
     # types
     "text for a number": (_entry("time.step", leaf('"fast"', unit="s")), ["time.step.value", "fast", "a number"]),
     "number for a text": (_entry("contact.model", leaf(1)), ["contact.model.value", "1", "linear, hysteretic"]),
     "truth for a number": (_entry(f"{PP}.friction", leaf("true")), [f"{PP}.friction.value", "true", "a number"]),
     "fraction for a count": (_entry("loading.cycles", leaf(10.5)), ["loading.cycles.value", "10.5", "a whole number"]),
-    "number for a list": (_entry(f"{G}.measurement_x", leaf(0.4, unit="m")),
+    "number for a list": (
+        _entry(f"{G}.measurement_x", leaf(0.4, unit="m")),
         [f"{G}.measurement_x.value", "0.4", "a list of numbers"]),
     "empty list": (_entry("output.keep_beds", leaf("[]")), ["output.keep_beds.value", "[]", "a list of whole numbers"]),
-    "fraction in a list of counts": (_entry("output.keep_beds", leaf("[1, 2.5]")),
+    "fraction in a list of counts": (
+        _entry("output.keep_beds", leaf("[1, 2.5]")),
         ["output.keep_beds.value", "2.5", "whole numbers"]),
-    "text in a list": (_entry(f"{P}.relax_stiffness", leaf('[0.1, "one"]')),
+    "text in a list": (
+        _entry(f"{P}.relax_stiffness", leaf('[0.1, "one"]')),
         [f"{P}.relax_stiffness.value", "one", "a list of numbers"]),
-    "date for a number": (_entry("time.step", leaf("2021-11-06", unit="s")),
+    "date for a number": (
+        _entry("time.step", leaf("2021-11-06", unit="s")),
         ["time.step.value", "2021-11-06", "a number"]),
     # limits
     "negative time step": (_entry("time.step", leaf("-1e-6", unit="s")), ["time.step.value", "-1e-06", "> 0"]),
     "zero time step": (_entry("time.step", leaf("0.0", unit="s")), ["time.step.value", "0.0", "> 0"]),
-    "not a number": (_entry("clump.density", leaf("nan", unit="kg/m3")),
+    "not a number": (
+        _entry("clump.density", leaf("nan", unit="kg/m3")),
         ["clump.density.value", "NaN", "a number > 0"]),
-    "infinite": (_entry(f"{PP}.shear_modulus", leaf("inf", unit="Pa")),
+    "infinite": (
+        _entry(f"{PP}.shear_modulus", leaf("inf", unit="Pa")),
         [f"{PP}.shear_modulus.value", "Infinity", "a number > 0"]),
-    "too large for a double": (_entry(f"{PP}.shear_modulus", leaf("1" + "0" * 400, unit="Pa")),
+    "too large for a double": (
+        _entry(f"{PP}.shear_modulus", leaf("1" + "0" * 400, unit="Pa")),
         [f"{PP}.shear_modulus.value", "a number > 0"]),
     "negative friction": (_entry(f"{PP}.friction", leaf(-0.1)), [f"{PP}.friction.value", "-0.1", ">= 0"]),
     "restitution above one": (_entry(f"{PP}.restitution", leaf(1.1)), [f"{PP}.restitution.value", "1.1", "<= 1"]),
     "incompressible": (_entry(f"{PP}.poisson_ratio", leaf(0.5)), [f"{PP}.poisson_ratio.value", "0.5", "<= 0.49"]),
-    "unknown damping mode": (_entry(f"{PP}.damping_mode", leaf(3)),
+    "unknown damping mode": (
+        _entry(f"{PP}.damping_mode", leaf(3)),
         [f"{PP}.damping_mode.value", "3", "one of 0, 1, 2"]),
-    "unknown contact model": (_entry("contact.model", leaf('"hertz"')),
+    "unknown contact model": (
+        _entry("contact.model", leaf('"hertz"')),
         ["contact.model.value", "hertz", "one of linear, hysteretic"]),
-    "unknown plate law": (_entry("load_control.plate_law", leaf('"servo"')),
+    "unknown plate law": (
+        _entry("load_control.plate_law", leaf('"servo"')),
         ["load_control.plate_law.value", "servo", "one of force, pfc, fixed"]),
     "aspect of two separate balls": (_entry("clump.aspect", leaf(2.5)), ["clump.aspect.value", "2.5", "<= 2"]),
     "aspect of one ball": (_entry("clump.aspect", leaf(1.0)), ["clump.aspect.value", "1.0", "> 1"]),
     "zero cycles": (_entry("loading.cycles", leaf(0)), ["loading.cycles.value", "0", "> 0"]),
     "too few output rows": (_entry("output.rows_per_cycle", leaf(16)), ["output.rows_per_cycle.value", "16", ">= 40"]),
-    "box wider than the box": (lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(1.5)}\n",
+    "box wider than the box": (
+        lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(1.5)}\n",
         ["geometry.width_scale.value", "1.5", "<= 1"]),
     # impossible together
     "singular damping": (
         _mine(f'base = "nonlinear-en1.0"\n{PP}.damping_mode = {leaf(0)}\n{PP}.restitution = {leaf("0.0")}'),
         [f"{PP}.restitution", "0.0", "singular"]),
-    "load falls where it should rise": (_entry("loading.stress_max", leaf(40e3, unit="Pa")),
+    "load falls where it should rise": (
+        _entry("loading.stress_max", leaf(40e3, unit="Pa")),
         ["loading.stress_max", "40000.0", "> loading.stress_min = 50000"]),
-    "preload is not the least load": (_entry("preload.sleeper_stress", leaf(60e3, unit="Pa")),
+    "preload is not the least load": (
+        _entry("preload.sleeper_stress", leaf(60e3, unit="Pa")),
         ["preload.sleeper_stress", "60000.0", "loading.stress_min"]),
-    "sleeper longer than the box": (_entry(f"{G}.sleeper_length", leaf(0.9, unit="m")),
+    "sleeper longer than the box": (
+        _entry(f"{G}.sleeper_length", leaf(0.9, unit="m")),
         [f"{G}.sleeper_length", "0.9", "<= geometry.box_length"]),
-    "sleeper as wide as the box": (_entry(f"{G}.sleeper_width", leaf(0.6, unit="m")),
+    "sleeper as wide as the box": (
+        _entry(f"{G}.sleeper_width", leaf(0.6, unit="m")),
         [f"{G}.sleeper_width", "0.6", "< geometry.box_width"]),
-    "sleeper above the box": (_entry(f"{G}.sleeper_height", leaf(0.2, unit="m")),
+    "sleeper above the box": (
+        _entry(f"{G}.sleeper_height", leaf(0.2, unit="m")),
         [f"{G}.sleeper_height", "0.2", "not above the box"]),
-    "plate outside the box": (_entry(f"{G}.plate_height", leaf(0.1, unit="m")),
+    "plate outside the box": (
+        _entry(f"{G}.plate_height", leaf(0.1, unit="m")),
         [f"{G}.plate_height", "0.1", "inside the box"]),
     "clumps fall through the plates' gap": (
         _mine(f"{G}.plate_gap = {leaf(0.01, unit='m')}\nclump.ball_radius = {leaf(0.006, unit='m')}\n"
               f"{P}.lattice_radius = {leaf(0.00375, unit='m')}"),
         [f"{G}.plate_gap", "0.01", "radius"]),
-    "measurement sphere outside the box": (_entry(f"{G}.measurement_x", leaf("[0.1, 0.4, 0.666]", unit="m")),
+    "measurement sphere outside the box": (
+        _entry(f"{G}.measurement_x", leaf("[0.1, 0.4, 0.666]", unit="m")),
         [f"{G}.measurement_x", "0.1", "inside the box"]),
-    "two measurement spheres": (_entry(f"{G}.measurement_x", leaf("[0.2, 0.6]", unit="m")),
+    "two measurement spheres": (
+        _entry(f"{G}.measurement_x", leaf("[0.2, 0.6]", unit="m")),
         [f"{G}.measurement_x", "three values"]),
-    "measurement sphere in the sleeper": (_entry(f"{G}.measurement_z", leaf(0.25, unit="m")),
+    "measurement sphere in the sleeper": (
+        _entry(f"{G}.measurement_z", leaf(0.25, unit="m")),
         [f"{G}.measurement_z", "0.25", "between floor and sleeper base"]),
     "growth misses the ball": (_entry(f"{P}.growth", leaf(1.5)), [f"{P}.growth", "1.5", "0.0185"]),
     "relaxation ends soft": (_entry(f"{P}.relax_stiffness", leaf("[0.1, 0.5]")), [f"{P}.relax_stiffness", "end at 1"]),
-    "porosity of nothing": (_entry(f"{P}.lattice_gap", leaf("0.0", unit="m")),
+    "porosity of nothing": (
+        _entry(f"{P}.lattice_gap", leaf("0.0", unit="m")),
         [f"{P}.lattice_gap", "0.0", "more than the whole box"]),
-    "porosity of one": (_entry(f"{P}.lattice_gap", leaf(0.9, unit="m")),
+    "porosity of one": (
+        _entry(f"{P}.lattice_gap", leaf(0.9, unit="m")),
         [f"{P}.lattice_gap", "0.9", "at most 0.6, here 1"]),
-    "no clump fits the slice": (lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(0.05)}\n",
+    "no clump fits the slice": (
+        lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(0.05)}\n",
         ["geometry.width_scale", "0.05", "one clump"]),
-    "rows and blocks do not meet": (_entry("output.rows_per_cycle", leaf(50)),
+    "rows and blocks do not meet": (
+        _entry("output.rows_per_cycle", leaf(50)),
         ["output.rows_per_cycle", "50", "a multiple of"]),
     "step above the critical one": (_entry("time.step", leaf(2e-5, unit="s")), ["time.step", "2e-05", "critical"]),
     "rounding makes the step critical": (
         _mine(f"loading.frequency = {leaf('900.0', unit='Hz')}\ntime.step = {leaf(1.66e-5, unit='s')}"),
         ["time.step", "1.66e-05", "critical"]),
-    "bed of an unknown scenario": (_entry(f"{P}.bed_from", leaf('"linear"')),
+    "bed of an unknown scenario": (
+        _entry(f"{P}.bed_from", leaf('"linear"')),
         [f"{P}.bed_from", "linear", "linear-mu0.8"]),
     "bed of itself": (_entry(f"{P}.bed_from", leaf('"mine"')), [f"{P}.bed_from", "mine", "another scenario"]),
-    "bed of a scenario that makes none": (_entry(f"{P}.bed_from", leaf('"nonlinear-en1.0"')),
+    "bed of a scenario that makes none": (
+        _entry(f"{P}.bed_from", leaf('"nonlinear-en1.0"')),
         [f"{P}.bed_from", "nonlinear-en1.0", "packs its own bed"]),
-    "bed of other clumps": (_mine(f'base = "nonlinear-en1.0"\nclump.aspect = {leaf(1.5)}'),
+    "bed of other clumps": (
+        _mine(f'base = "nonlinear-en1.0"\nclump.aspect = {leaf(1.5)}'),
         [f"{P}.bed_from", "linear-mu0.8", "clump.aspect"]),
 }
 
