@@ -11,6 +11,8 @@ from pathlib import Path
 
 PLATES = range(1, 6)
 SPHERES = range(1, 4)
+EVERYTHING = float("inf")
+"""The cycle up to which a table is kept when it is only to be repaired."""
 
 CYCLES = ("cycle", "time_s", "settlement_m", "settlement_peak_m", *(f"lateral_{k}_m" for k in PLATES),
           *(f"porosity_{k}" for k in SPHERES),
@@ -83,7 +85,7 @@ class CycleTable:
     """A CSV file that grows by the rows of one cycle and survives being killed at any moment.
 
     A line without its newline was torn by a kill; it and every row after the last wanted cycle are cut off by `rewind`.
-    `cycle_of` maps the cells of a line to its cycle; rows of cycle n are those with n - 1 < cycle <= n.
+    Rows of cycle n are those whose column `cycle` is above n - 1 and at most n.
     """
 
     def __init__(self, path: Path, columns: Sequence[str], format_cell=cell):
@@ -95,7 +97,7 @@ class CycleTable:
         """The first line of the file."""
         return ",".join(self.columns) + "\n"
 
-    def rewind(self, cycle: int) -> None:
+    def rewind(self, cycle: float) -> None:
         """Keep the header and the rows up to `cycle`; make the file where it is missing or its header is damaged."""
         try:
             content = self.path.read_bytes()
@@ -114,12 +116,17 @@ class CycleTable:
             with open(self.path, "r+b") as file:
                 file.truncate(end)
 
-    def _is_row_until(self, line: bytes, cycle: int) -> bool:
+    def _is_row_until(self, line: bytes, cycle: float) -> bool:
         cells = line.rstrip(b"\n").split(b",")
         try:
             return len(cells) == len(self.columns) and float(cells[self._at]) <= cycle
         except ValueError:
             return False
+
+    def last_cycle(self) -> int | None:
+        """Cycle of the last row of a file that `rewind` has been through; None without rows."""
+        last = self.path.read_bytes()[-4096:].splitlines()[-1]
+        return None if last == self.header.rstrip().encode() else int(float(last.split(b",")[self._at]))
 
     def append(self, rows: Iterable[Sequence[float]]) -> None:
         """Add rows (values in the order of the columns) in one write, and see them to the disk."""

@@ -158,3 +158,59 @@ def _info(s, code, cycles, seed, state, clumps) -> dict:
             "threads": 1, "start": "2026-01-01T00:00:00Z", "end": "2026-01-01T01:00:00Z", "state": state, "reason": "",
             "stage": "cyclic", "steps": cycles * grid.steps_per_cycle, "steps_per_second": {"cyclic": 350.0},
             "clumps": clumps, "deviations": [], "resumes": [], "heartbeat": "2026-01-01T01:00:00Z", "pid": 1}
+
+
+def write_raw(results_dir, profile="demo", scenario="linear-mu0.8", code="liggghts", cycles=3, seed=1, *, law=DEFAULT_LAW,
+              lateral_m=5e-3, preload_down_m=2e-3, scenario_file=None) -> Path:
+    """Write the raw output that an engine leaves after `cycles` cycles (nothing normalised) and return the run folder.
+
+    The bed sinks by z / box height of the settlement and bulges by x / box length of the lateral displacement; sleeper and plates
+    are displaced by `preload_down_m` (outward: a tenth of it) before cyclic loading.
+    """
+    options = {} if scenario_file is None else {"path": scenario_file}
+    s = load_scenario(scenario, profile, cycles=cycles, **options)
+    folder = Path(results_dir) / profile / scenario / (code if seed == 1 else f"{code}-seed{seed}")
+    raw = folder / "raw"
+    raw.mkdir(parents=True, exist_ok=True)
+    (folder / "scenario.json").write_text(s.to_json())
+    grid, bed = derived.time_grid(s), _bed(s, seed)
+    minimum = settlement(law, np.arange(1, cycles + 1))
+    lateral = lateral_m * (minimum / minimum[-1])[:, None] * np.array(LATERAL_PROFILE)
+
+    rows = s["output.rows_per_cycle"]
+    step = np.arange(cycles * rows + 1) * grid.steps_per_row
+    cycle = np.arange(cycles * rows + 1) / rows
+    middle, amplitude = (s["loading.stress_max"] + s["loading.stress_min"]) / 2, (s["loading.stress_max"] - s["loading.stress_min"]) / 2
+    target = middle - amplitude * np.cos(2 * np.pi * cycle)
+    knots = np.arange(cycles + 1)
+    table = pd.DataFrame({"step": step, "time_s": step * grid.step_s, "sleeper_target_Pa": target, "sleeper_stress_Pa": 1.01 * target,
+                          "sleeper_stress_mean_Pa": target, "sleeper_error_ms_Pa2": 4e6,
+                          "sleeper_displacement_m": preload_down_m + np.interp(cycle, knots, np.r_[0, minimum])
+                          + STROKE_M / 2 * (1 - np.cos(2 * np.pi * cycle))})
+    for k in tables.PLATES:
+        table[f"plate_{k}_stress_Pa"] = table[f"plate_{k}_stress_mean_Pa"] = s["preload.plate_stress"] * (1 + 0.001 * k)
+        table[f"plate_{k}_displacement_m"] = preload_down_m / 10 + np.interp(cycle, knots, np.r_[0, lateral[:, k - 1]])
+    table[list(tables.RAW_LOADING)].to_csv(raw / "cyclic.csv", index=False)
+    preload = table.iloc[:9].copy()
+    for column in preload.filter(like="displacement"):
+        preload[column] = np.linspace(0, table[column].iloc[0], len(preload))
+    preload[list(tables.RAW_LOADING)].to_csv(raw / "preload.csv", index=False)
+
+    blocks = np.arange(1, cycles * s["output.blocks_per_cycle"] + 1) * grid.steps_per_block
+    state = pd.DataFrame({"stage": "cyclic", "step": blocks, "time_s": blocks * grid.step_s, "kinetic_energy_J": 1e-5,
+                          "unbalanced_ratio": 0.01, "overlap_max_ratio": 0.02, "overlap_mean_m": 1e-5, "contacts": 7 * len(bed) // 2,
+                          "clumps": len(bed), "at_limit_share": 0.0, "sliding_share": 0.1})
+    packing = state.iloc[:2].assign(stage="packing")
+    pd.concat([packing, state])[list(tables.RAW_STATE)].to_csv(raw / "state.csv", index=False)
+
+    generator = np.random.default_rng(seed)
+    bed.to_csv(raw / "bed_preloaded.csv", index=False)
+    _write_contacts(raw / "contacts_preloaded.csv", bed, generator)
+    for n in range(1, cycles + 1):
+        moved = bed.copy()
+        moved["x_m"] += lateral[n - 1].max() * bed["x_m"] / s["geometry.box_length"]
+        moved["z_m"] -= minimum[n - 1] * bed["z_m"] / s["geometry.box_height"]
+        moved.to_csv(raw / f"bed_cycle_{n:06d}.csv", index=False)
+        if n in s["output.keep_beds"] or n == cycles:
+            _write_contacts(raw / f"contacts_cycle_{n:06d}.csv", moved, generator)
+    return folder
