@@ -91,6 +91,8 @@ KEYS: dict[str, Key] = {
     "packing.relax_steps": _positive("step", kind=int),
     "packing.compaction_gravity": _positive("m/s2"),
     "packing.compaction_friction": _from_zero("-", 5),
+    "packing.compaction_unbalanced_ratio": _positive("-", 1),
+    "packing.compaction_kinetic_energy": _positive("J"),
     "packing.final_gravity": _positive("m/s2"),
     "packing.gravity_ramp_time": _positive("s", 10),
     "rest.local_damping": _from_zero("-", 0.95),
