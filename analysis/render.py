@@ -14,7 +14,6 @@ from scipy.ndimage import gaussian_filter, zoom
 SUPERSAMPLING = 2
 LIGHT = np.array([-0.42, 0.62, 0.66])
 """Direction to the light in view coordinates: right, up, towards the viewer."""
-EMPTY = -1e9
 
 
 @dataclass(frozen=True)
@@ -36,12 +35,10 @@ class Camera:
 
 
 def camera(points: np.ndarray, azimuth_deg: float = 0.0, elevation_deg: float = 0.0, margin_m: float = 0.01) -> Camera:
-    """A camera that shows all `points` (n, 3). Azimuth 0 looks along +y, 90 along -x; elevation looks down."""
+    """A camera that shows all `points` (n, 3). Azimuth 0 looks along +y, 90 along -x; elevation > 0 looks down."""
     a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
     right = np.array([np.cos(a), np.sin(a), 0.0])
-    up = np.array([-np.sin(a) * -np.sin(e), np.cos(a) * np.sin(e), np.cos(e)])
-    up -= right * (up @ right)
-    up /= np.linalg.norm(up)
+    up = np.array([-np.sin(a) * np.sin(e), np.cos(a) * np.sin(e), np.cos(e)])
     seen = Camera(right, up, (0, 0), (1, 1)).project(points)[:, :2]
     return Camera(right, up, tuple(seen.min(0) - margin_m), tuple(seen.max(0) + margin_m))
 
@@ -98,8 +95,8 @@ def _depth_buffer(column, row, height, radius, rows, columns):
     reach = int(np.ceil(radius)) + 1
     grid = np.arange(-reach, reach + 1)
     inside = radius**2 - grid[:, None] ** 2 - grid[None, :] ** 2
-    stamp = np.where(inside > 0, np.sqrt(np.maximum(inside, 0)), EMPTY).astype(np.float32)
-    depth = np.full((rows + 2 * reach, columns + 2 * reach), EMPTY, np.float32)
+    stamp = np.where(inside > 0, np.sqrt(np.maximum(inside, 0)), -np.inf).astype(np.float32)
+    depth = np.full((rows + 2 * reach, columns + 2 * reach), -np.inf, np.float32)
     owner = np.full(depth.shape, -1, np.int32)
     visible = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
     side = 2 * reach + 1
