@@ -47,23 +47,13 @@ class Normaliser:
 
     def before(self) -> None:
         """Write bed_before.csv and row 0 of microstructure.csv; start the tables anew if the preloaded bed is another."""
-        source, target = self._raw / "bed_preloaded.csv", self.folder / "bed_before.csv"
-        bed = self._read(beds.read_bed, source)
-        text = source.read_text()
-        same = target.exists() and target.read_text() == text
-        for table in (self._cycles, self._history, self._microstructure):
-            table.rewind(tables.EVERYTHING if same else -1)
-        tables.write_aside(target, text)
-        self._first_bed, self._done = bed, self._cycles.last_cycle() or 0
-        if self._microstructure.last_cycle() is None:
-            sleeper_down, plates_out = self._preloaded_places()
-            self._microstructure.append([self._microstructure_row(0, bed, sleeper_down, plates_out, [0.0] * 5, {})])
+        self._begin(tables.EVERYTHING)
 
     def ready(self, n: int) -> bool:
         """True when the engine has written everything that belongs to cycle `n`."""
         step = n * self._grid.steps_per_cycle
         return (self._bed(n).exists() and (not self._keeps(n) or self._contacts(n).exists())
-                and step in self._loading.update() and step in self._state.update())
+                and step in self._update(self._loading) and step in self._update(self._state))
 
     def cycle(self, n: int) -> dict[str, float]:
         """Add cycle `n` to history.csv, microstructure.csv and cycles.csv; return the row of the latter.
@@ -71,7 +61,7 @@ class Normaliser:
         A cycle that was done before is done again, and later ones are dropped. Deletes the bed of the cycle before, unless kept.
         """
         if self._done is None or n <= self._done:
-            self._cut(n - 1)
+            self._begin(n - 1)
         if n != self._done + 1:
             raise NormaliseError(f"cycles.csv: cycle {n} cannot follow cycle {self._done}; call rewind({n - 1}) first")
         rows = self._rows(n)
@@ -88,7 +78,7 @@ class Normaliser:
             *structure[1:4], min(mean_stress), max(mean_stress),
             math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)), len(bed))))
 
-        self._history.append([self._history_row(r, zero) for r in ([zero] if n == 1 else []) + rows])
+        self._append_history([n])
         self._microstructure.append([structure])
         self._cycles.append([list(row.values())])
         self._done = n
@@ -103,7 +93,7 @@ class Normaliser:
 
         Rows of raw/cyclic.csv and raw/state.csv may stay or be cut: a step that is there twice counts as last written.
         """
-        self._cut(n)
+        self._begin(n)
         for path in [*self._raw.glob("bed_cycle_*.csv"), *self._raw.glob("contacts_cycle_*.csv")]:
             number = path.stem.rpartition("_")[2]
             later = number.isdigit() and int(number) > n
@@ -116,17 +106,30 @@ class Normaliser:
         if not (self._raw / "bed_preloaded.csv").exists():
             return
         if self._done is None:
-            self._cut(tables.EVERYTHING)
+            self._begin(tables.EVERYTHING)
         if self._done > 0 and self._bed(self._done).exists():
             tables.write_aside(self.folder / "bed_after.csv", self._bed(self._done).read_text())
 
-    def _cut(self, n: int) -> None:
+    def _begin(self, n: float) -> None:
+        """Make the tables end with cycle `n`, or with the last cycle done where that comes first."""
         self._loading.forget()
         self._state.forget()
-        self.before()
-        for table in (self._cycles, self._history, self._microstructure):
-            table.rewind(min(n, self._done))
+        source, target = self._raw / "bed_preloaded.csv", self.folder / "bed_before.csv"
+        self._first_bed = self._read(beds.read_bed, source)
+        text = source.read_text()
+        same = target.exists() and target.read_text() == text
+        self._cycles.rewind(n if same else -1)
         self._done = self._cycles.last_cycle() or 0
+        self._microstructure.rewind(self._done if same else -1)
+        self._history.rewind(self._done if same else -1)
+        if not same:
+            tables.write_aside(target, text)
+        if self._microstructure.last_cycle() is None:
+            sleeper_down, plates_out = self._preloaded_places()
+            self._microstructure.append([self._microstructure_row(0, self._first_bed, sleeper_down, plates_out, [0.0] * 5, {})])
+        if self._done == 0 or self._history.last_cycle() != self._done:
+            self._history.rewind(-1)
+            self._append_history(range(1, self._done + 1))
 
     # ------------------------------------------------------------------ raw files
 
@@ -145,11 +148,15 @@ class Normaliser:
         except ValueError as error:
             raise NormaliseError(f"raw/{error}") from None
 
-    def _row(self, step: int) -> list[str]:
+    @staticmethod
+    def _update(growing: GrowingCsv) -> dict[int, list[str]]:
         try:
-            rows = self._loading.rows if step in self._loading.rows else self._loading.update()
+            return growing.update()
         except ValueError as error:
             raise NormaliseError(f"raw/{error}") from None
+
+    def _row(self, step: int) -> list[str]:
+        rows = self._loading.rows if step in self._loading.rows else self._update(self._loading)
         if step not in rows:
             raise NormaliseError(f"raw/cyclic.csv: the row of step {step} is missing; go back to the checkpoint before it")
         return rows[step]
@@ -171,27 +178,27 @@ class Normaliser:
 
     def _state_row(self, n: int) -> dict[str, float]:
         step = n * self._grid.steps_per_cycle
+        cells = self._update(self._state).get(step)
+        if cells is None:
+            raise NormaliseError(f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it")
         try:
-            cells = self._state.update()[step]
             return {name: float(cell or "nan") for name, cell in zip(tables.RAW_STATE[1:], cells[1:])}
-        except KeyError:
-            raise NormaliseError(f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it") from None
         except ValueError as error:
             raise NormaliseError(f"raw/state.csv: step {step} of stage cyclic: {error}") from None
 
     def _preloaded_places(self) -> tuple[float, list[float]]:
         """Where sleeper (down, m) and plates (out, m) stand at the end of preload, since its start."""
-        preload = GrowingCsv(self._raw / "preload.csv", tables.RAW_LOADING)
-        try:
-            rows = preload.update()
-        except ValueError as error:
-            raise NormaliseError(f"raw/{error}") from None
+        rows = self._update(GrowingCsv(self._raw / "preload.csv", tables.RAW_LOADING))
         if not rows:
             raise NormaliseError("raw/preload.csv: has no rows; run the preload stage again")
         last = self._numbers(rows[max(rows)])
         return last["sleeper_displacement_m"], [last[f"plate_{k}_displacement_m"] for k in tables.PLATES]
 
     # ------------------------------------------------------------------ rows of the normalised tables
+
+    def _append_history(self, cycles) -> None:
+        zero = self._numbers(self._row(0)) if cycles else {}
+        self._history.append([self._history_row(raw, zero) for n in cycles for raw in ([zero] if n == 1 else []) + self._rows(n)])
 
     def _history_row(self, raw: dict[str, float], zero: dict[str, float]) -> list[float]:
         return [raw["time_s"], raw["step"] / self._grid.steps_per_cycle, raw["sleeper_target_Pa"], raw["sleeper_stress_Pa"],

@@ -58,11 +58,11 @@ def sphere_points(centre, radius: float, low, high, count: int = POINTS) -> np.n
 class MeasurementSpheres:
     """The three measurement spheres of a scenario; made once, then measured for every bed."""
 
-    def __init__(self, scenario, count: int = POINTS):
+    def __init__(self, scenario, count: int | None = None):
         self._box = derived.apparatus(scenario)
         self._clump_radius = derived.clump(scenario).radius_m
         low, high = np.zeros(3), np.array([self._box.length_m, self._box.width_m, self._box.height_m])
-        self._trees = [cKDTree(sphere_points(c, self._box.measurement_radius_m, low, high, count),
+        self._trees = [cKDTree(sphere_points(c, self._box.measurement_radius_m, low, high, count or POINTS),
                                balanced_tree=False, compact_nodes=False)
                        for c in self._box.measurement_centres_m]
 
