@@ -1,0 +1,241 @@
+#include "fix_load_control.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "comm.h"
+#include "error.h"
+#include "fix_mesh_surface.h"
+#include "fix_stage.h"
+#include "force.h"
+#include "mesh_module_stress.h"
+#include "modify.h"
+#include "restart_state.h"
+#include "tri_mesh.h"
+#include "update.h"
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+namespace {
+
+typedef MultiVectorContainer<double, 3, 3> NodeVelocities;
+
+}  // namespace
+
+FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
+    : Fix(lmp, narg, arg), stage_(NULL), law_(FIXED), mass_(0.0), drag_(0.0), gain_(0.0), stiffness_(0.0), velocity_limit_(0.0),
+      contact_floor_(1.0), count_interval_(1), target_style_(CONSTANT), ramp_start_(0.0), velocity_(0.0), travel_(0.0),
+      contact_force_(0.0), contacts_(0), stress_sum_(0.0), squared_error_sum_(0.0), row_steps_(0), averaging_time_(0.0),
+      window_next_(0), window_full_(false) {
+  if (narg != 10 || strcmp(arg[4], "direction") != 0 || strcmp(arg[8], "area") != 0)
+    error->fix_error(FLERR, this, "expects MESH_FIX direction X Y Z area A");
+  wall_ = dynamic_cast<FixMeshSurface *>(modify->find_fix_id(arg[3]));
+  if (!wall_) error->fix_error(FLERR, this, "first argument must be the id of a fix mesh/surface/stress");
+  contact_stress_ = dynamic_cast<MeshModuleStress *>(wall_->get_module("stress"));
+  if (!contact_stress_ || !contact_stress_->trackStress())
+    error->fix_error(FLERR, this, "the mesh does not measure its force; define it with `mesh/surface/stress ... stress on`");
+  for (int d = 0; d < 3; d++) direction_[d] = number(narg, arg, 5 + d);
+  area_ = number(narg, arg, 9);
+  if (area_ <= 0.0) error->fix_error(FLERR, this, "area must be positive");
+  std::fill(target_values_, target_values_ + 3, 0.0);
+  wall_->triMesh()->registerMove(false, true, false);
+  vector_flag = 1;
+  size_vector = 8;
+  global_freq = 1;
+  extvector = 0;
+  restart_global = 1;
+}
+
+void FixLoadControl::pre_delete(bool unfix) {
+  if (!unfix) return;
+  velocity_ = 0.0;
+  set_wall_velocity();
+  wall_->triMesh()->unregisterMove(false, true, false);
+}
+
+int FixLoadControl::setmask() { return INITIAL_INTEGRATE | FINAL_INTEGRATE; }
+
+void FixLoadControl::init() {
+  stage_ = FixStage::find(lmp);
+  const std::size_t steps = static_cast<std::size_t>(averaging_time_ / update->dt + 0.5);
+  if (steps != window_.size()) {
+    window_.assign(steps, 0.0);
+    window_next_ = 0;
+    window_full_ = false;
+  }
+}
+
+void FixLoadControl::setup(int) {
+  CustomValueTracker &properties = wall_->triMesh()->prop();
+  if (!properties.getElementProperty<NodeVelocities>("v"))
+    properties.addElementProperty<NodeVelocities>("v", "comm_exchange_borders", "frame_invariant", "restart_no");
+  set_wall_velocity();
+}
+
+void FixLoadControl::set_wall_velocity() {
+  NodeVelocities *velocities = wall_->triMesh()->prop().getElementProperty<NodeVelocities>("v");
+  if (!velocities) return;
+  double velocity[3];
+  for (int d = 0; d < 3; d++) velocity[d] = velocity_ * direction_[d];
+  const int triangles = wall_->triMesh()->sizeLocal() + wall_->triMesh()->sizeGhost();
+  for (int i = 0; i < triangles; i++)
+    for (int node = 0; node < 3; node++) velocities->set(i, node, velocity);
+}
+
+void FixLoadControl::initial_integrate(int) {
+  if (law_ == FIXED) return;
+  double step[3];
+  for (int d = 0; d < 3; d++) step[d] = velocity_ * update->dt * direction_[d];
+  travel_ += velocity_ * update->dt;
+  wall_->triMesh()->move(step);  // by increments: a total displacement would count from the last run's start
+  set_wall_velocity();
+}
+
+void FixLoadControl::final_integrate() {
+  contact_force_ = 0.0;
+  for (int d = 0; d < 3; d++) contact_force_ -= contact_stress_->f_total(d) * direction_[d];
+  const double wanted = target(), error_force = wanted * area_ - contact_force_;
+  if (law_ == FORCE) {
+    velocity_ += update->dt * (error_force - drag_ * velocity_) / mass_;
+  } else if (law_ == PFC) {
+    if (stage_->step() % count_interval_ == 0 || contacts_ == 0) count_contacts();
+    const double wall_stiffness = stiffness_ * std::max(static_cast<double>(contacts_), contact_floor_);
+    velocity_ = gain_ * error_force / (wall_stiffness * update->dt);
+    velocity_ = std::min(velocity_limit_, std::max(-velocity_limit_, velocity_));
+  }
+  const double stress_error = stress() - wanted;
+  stress_sum_ += stress();
+  squared_error_sum_ += stress_error * stress_error;
+  row_steps_++;
+  if (window_.empty()) return;
+  window_[window_next_] = stress();
+  if (++window_next_ == window_.size()) {
+    window_next_ = 0;
+    window_full_ = true;
+  }
+}
+
+void FixLoadControl::count_contacts() {
+  int touching = 0;
+  FixContactHistoryMesh *history = wall_->contactHistory();
+  if (history) history->n_contacts(touching);
+  MPI_Allreduce(&touching, &contacts_, 1, MPI_INT, MPI_SUM, world);
+}
+
+double FixLoadControl::target() const {
+  if (target_style_ == CONSTANT) return target_values_[0];
+  const double time = stage_ ? stage_->time() : 0.0;
+  if (target_style_ == HARMONIC) return target_values_[0] - target_values_[1] * cos(2.0 * M_PI * target_values_[2] * time);
+  const double share = std::min(1.0, (time - ramp_start_) / target_values_[2]);
+  return target_values_[0] + share * (target_values_[1] - target_values_[0]);
+}
+
+double FixLoadControl::mean_squared_error() const {
+  if (row_steps_) return squared_error_sum_ / row_steps_;
+  const double stress_error = stress() - target();
+  return stress_error * stress_error;
+}
+
+void FixLoadControl::start_row() {
+  stress_sum_ = squared_error_sum_ = 0.0;
+  row_steps_ = 0;
+}
+
+double FixLoadControl::window_mean() const {
+  return window_full_ ? std::accumulate(window_.begin(), window_.end(), 0.0) / window_.size() : 0.0;
+}
+
+double FixLoadControl::compute_vector(int n) {
+  switch (n) {
+    case 0: return target();
+    case 1: return stress();
+    case 2: return mean_stress();
+    case 3: return mean_squared_error();
+    case 4: return travel_;
+    case 5: return velocity_;
+    case 6: return window_mean();
+    default: return contacts_;
+  }
+}
+
+double FixLoadControl::number(int narg, char **arg, int index) const {
+  if (index >= narg) error->all(FLERR, (std::string("fix ") + id + ": a number is missing at the end").c_str());
+  return force->numeric(FLERR, arg[index]);
+}
+
+int FixLoadControl::modify_param(int narg, char **arg) {
+  if (narg < 2) return 0;
+  int used = 2;
+  if (strcmp(arg[0], "law") == 0) parse_law(narg, arg, used);
+  else if (strcmp(arg[0], "target") == 0) parse_target(narg, arg, used);
+  else if (strcmp(arg[0], "averaging_time") == 0) averaging_time_ = number(narg, arg, 1);
+  else return 0;
+  return used;
+}
+
+void FixLoadControl::parse_law(int narg, char **arg, int &used) {
+  if (strcmp(arg[1], "fixed") == 0) {
+    law_ = FIXED;
+    velocity_ = 0.0;
+  } else if (strcmp(arg[1], "force") == 0) {
+    law_ = FORCE;
+    mass_ = number(narg, arg, 2);
+    drag_ = number(narg, arg, 3);
+    if (mass_ <= 0.0) error->fix_error(FLERR, this, "law force: mass must be positive");
+    used = 4;
+  } else if (strcmp(arg[1], "pfc") == 0) {
+    law_ = PFC;
+    gain_ = number(narg, arg, 2);
+    stiffness_ = number(narg, arg, 3);
+    velocity_limit_ = number(narg, arg, 4);
+    count_interval_ = static_cast<int>(number(narg, arg, 5));
+    contact_floor_ = number(narg, arg, 6);
+    if (stiffness_ <= 0.0 || count_interval_ < 1 || contact_floor_ < 1.0)
+      error->fix_error(FLERR, this, "law pfc: stiffness must be positive, interval and contact floor at least 1");
+    used = 7;
+  } else {
+    error->fix_error(FLERR, this, "law must be fixed, force or pfc");
+  }
+}
+
+void FixLoadControl::parse_target(int narg, char **arg, int &used) {
+  int values = 0;
+  if (strcmp(arg[1], "constant") == 0) {
+    target_style_ = CONSTANT;
+    values = 1;
+  } else if (strcmp(arg[1], "ramp") == 0) {
+    target_style_ = RAMP;
+    ramp_start_ = FixStage::find(lmp)->time();
+    values = 3;
+  } else if (strcmp(arg[1], "harmonic") == 0) {
+    target_style_ = HARMONIC;
+    values = 3;
+  } else {
+    error->fix_error(FLERR, this, "target must be constant, ramp or harmonic");
+  }
+  for (int n = 0; n < values; n++) target_values_[n] = number(narg, arg, 2 + n);
+  if (target_style_ == RAMP && target_values_[2] <= 0.0) error->fix_error(FLERR, this, "target ramp: its time must be positive");
+  used = 2 + values;
+}
+
+void FixLoadControl::write_restart(FILE *file) {
+  ballast::write_state(file, comm->me, {velocity_, travel_, contact_force_, static_cast<double>(contacts_), stress_sum_,
+                                        squared_error_sum_, static_cast<double>(row_steps_)});
+}
+
+void FixLoadControl::restart(char *buffer) {
+  const double *state = reinterpret_cast<double *>(buffer);
+  velocity_ = state[0];
+  travel_ = state[1];
+  contact_force_ = state[2];
+  contacts_ = static_cast<int>(state[3]);
+  stress_sum_ = state[4];
+  squared_error_sum_ = state[5];
+  row_steps_ = static_cast<bigint>(state[6]);
+}

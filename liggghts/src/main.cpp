@@ -1,0 +1,19 @@
+// ballast: LIGGGHTS with the contact models, load control and output of this study. Takes the options of LIGGGHTS (-in, -var, -log).
+#include <mpi.h>
+
+#include "input.h"
+#include "lammps.h"
+#include "registration.h"
+#include "stop_request.h"
+
+int main(int argc, char **argv) {
+  MPI_Init(&argc, &argv);
+  ballast::watch_stop_signals();
+  ballast::register_contact_models();
+  LAMMPS_NS::LAMMPS *lmp = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
+  ballast::register_styles(lmp);
+  lmp->input->file();
+  delete lmp;
+  MPI_Finalize();
+  return 0;
+}

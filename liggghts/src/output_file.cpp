@@ -1,0 +1,32 @@
+#include "output_file.h"
+
+#include <cstring>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "error.h"
+
+namespace ballast {
+
+OutputFile::OutputFile(LAMMPS_NS::Error *error, const std::string &path)
+    : error_(error), path_(path), partial_(path + ".partial"), stream_(fopen(partial_.c_str(), "w")) {
+  if (!stream_) fail();
+}
+
+OutputFile::~OutputFile() {
+  if (stream_) fclose(stream_);
+}
+
+void OutputFile::commit() {
+  const bool written = fflush(stream_) == 0 && !ferror(stream_) && fsync(fileno(stream_)) == 0;
+  const bool closed = fclose(stream_) == 0;
+  stream_ = NULL;
+  if (!written || !closed || rename(partial_.c_str(), path_.c_str()) != 0) fail();
+}
+
+void OutputFile::fail() const {
+  error_->one(FLERR, (path_ + ": cannot be written (" + strerror(errno) + "); free disk space or correct permissions, then resume").c_str());
+}
+
+}  // namespace ballast

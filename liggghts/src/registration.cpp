@@ -1,0 +1,124 @@
+// Makes contact models, fixes and commands known to an unchanged libliggghts, through its factories and style tables.
+#include "registration.h"
+
+#include <mpi.h>
+
+#include <map>
+#include <string>
+
+// LIGGGHTS' headers need this order
+#include "lammps.h"
+#include "modify.h"
+#include "fix.h"
+#include "atom.h"
+#include "comm.h"
+#include "update.h"
+#include "force.h"
+#include "neighbor.h"
+#include "neigh_list.h"
+#include "memory.h"
+#include "error.h"
+#include "input.h"
+#include "granular_pair_style.h"
+#include "granular_wall.h"
+#include "contact_models.h"
+#include "style_surface_model.h"
+#include "style_normal_model.h"
+#include "style_tangential_model.h"
+#include "fix_insert_stream.h"
+#include "pair_gran_base.h"
+#include "fix_wall_gran_base.h"
+
+#include "commands.h"
+#include "fix_bed_state.h"
+#include "fix_history.h"
+#include "fix_load_control.h"
+#include "fix_multisphere_damped.h"
+#include "fix_stage.h"
+
+using namespace LAMMPS_NS;
+using namespace LIGGGHTS;
+using namespace LIGGGHTS::ContactModels;
+
+namespace {
+
+template <typename Style>
+PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *pair, int64_t hash) {
+  return new Style(lmp, pair, hash);
+}
+
+template <typename Style>
+Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *wall, int64_t hash) {
+  return new Style(lmp, wall, hash);
+}
+
+template <int NORMAL>
+void register_combination() {
+  typedef GranStyle<NORMAL, BALLAST_SLIP, COHESION_OFF, ROLLING_OFF, SURFACE_DEFAULT> Style;
+  typedef ContactModel<Style> Model;
+  const int code = static_cast<int>(Style::HASHCODE);
+  PairStyles::Factory::instance().addStyle("gran", code, &create_pair<PairStyles::Granular<Model> >);
+  Walls::Factory::instance().addStyle("gran", code, &create_wall<Walls::Granular<Model> >);
+}
+
+// The style tables are not public. An explicit template instantiation may name them all the same (access is not checked there).
+typedef std::map<std::string, Fix *(*)(LAMMPS *, int, char **)> FixTable;
+typedef std::map<std::string, void (*)(LAMMPS *, int, char **)> CommandTable;
+
+struct FixTableKey {
+  typedef FixTable *Modify::*Member;
+  friend Member member_of(FixTableKey);
+};
+
+struct CommandTableKey {
+  typedef CommandTable *Input::*Member;
+  friend Member member_of(CommandTableKey);
+};
+
+template <typename Key, typename Key::Member MEMBER>
+struct Expose {
+  friend typename Key::Member member_of(Key) { return MEMBER; }
+};
+
+template struct Expose<FixTableKey, &Modify::fix_map>;
+template struct Expose<CommandTableKey, &Input::command_map>;
+
+template <typename Style>
+Fix *create_fix(LAMMPS *lmp, int narg, char **arg) {
+  return new Style(lmp, narg, arg);
+}
+
+}  // namespace
+
+namespace ballast {
+
+void register_contact_models() {
+  Factory &models = Factory::instance();
+  models.addNormalModel("ballast/linear", BALLAST_LINEAR);
+  models.addNormalModel("ballast/hysteretic", BALLAST_HYSTERETIC);
+  models.addTangentialModel("ballast/slip", BALLAST_SLIP);
+  register_combination<BALLAST_LINEAR>();
+  register_combination<BALLAST_HYSTERETIC>();
+}
+
+void register_styles(LAMMPS *lmp) {
+  FixTable &fixes = *(lmp->modify->*member_of(FixTableKey()));
+  fixes["multisphere/damped"] = &create_fix<FixMultisphereDamped>;
+  fixes["ballast/stage"] = &create_fix<FixStage>;
+  fixes["ballast/load"] = &create_fix<FixLoadControl>;
+  fixes["ballast/history"] = &create_fix<FixHistory>;
+  fixes["ballast/state"] = &create_fix<FixBedState>;
+
+  CommandTable &commands = *(lmp->input->*member_of(CommandTableKey()));
+  commands["place_clumps"] = &place_clumps;
+  commands["delete_clumps"] = &delete_clumps;
+  commands["write_bed"] = &write_bed;
+  commands["write_contacts"] = &write_contacts;
+  commands["write_state"] = &write_state_row;
+  commands["publish"] = &publish;
+  commands["stop_requested"] = &stop_requested;
+  commands["end_run"] = &end_run;
+  commands["fail"] = &fail;
+}
+
+}  // namespace ballast

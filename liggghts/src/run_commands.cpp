@@ -1,0 +1,94 @@
+// Commands that report and steer a run: state rows, checkpoints, stop requests, ends.
+#include <fcntl.h>
+#include <mpi.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "comm.h"
+#include "commands.h"
+#include "error.h"
+#include "fix_bed_state.h"
+#include "fix_stage.h"
+#include "force.h"
+#include "input.h"
+#include "lammps.h"
+#include "modify.h"
+#include "stop_request.h"
+
+using namespace LAMMPS_NS;
+
+namespace ballast {
+
+namespace {
+
+/// All ranks together.
+void leave(LAMMPS *lmp, int status) {
+  fflush(NULL);
+  MPI_Barrier(lmp->world);
+  MPI_Finalize();
+  std::exit(status);
+}
+
+}  // namespace
+
+void write_state_row(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 2) lmp->error->all(FLERR, "write_state: expects FILE STAGE");
+  FixBedState *fix = dynamic_cast<FixBedState *>(lmp->modify->find_fix_style("ballast/state", 0));
+  if (!fix) lmp->error->all(FLERR, "write_state: the deck needs `fix ID all ballast/state` first");
+  const FixStage *stage = FixStage::find(lmp);
+  const BedState &s = fix->state();
+  if (lmp->comm->me != 0) return;
+  FILE *file = fopen(arg[0], "a");
+  bool written = file != NULL;
+  if (file) {
+    fseek(file, 0, SEEK_END);
+    if (ftell(file) == 0)
+      fprintf(file, "stage,step,time_s,kinetic_energy_J,unbalanced_ratio,overlap_max_ratio,overlap_mean_m,contacts,clumps,at_limit_share,"
+                    "sliding_share\n");
+    fprintf(file, "%s,%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.0f,%.0f,%.17g,%.17g\n", arg[1], static_cast<long long>(stage->step()),
+            stage->time(), s.kinetic_energy, s.unbalanced_ratio, s.overlap_max_ratio, s.overlap_mean, s.contacts, s.clumps,
+            s.at_limit_share, s.sliding_share);
+    written = fclose(file) == 0;
+  }
+  if (!written)
+    lmp->error->one(FLERR, (std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume").c_str());
+}
+
+void publish(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 2) lmp->error->all(FLERR, "publish: expects FILE NAME");
+  if (lmp->comm->me == 0) {
+    const int descriptor = open(arg[0], O_RDONLY);
+    const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0;
+    if (descriptor >= 0) close(descriptor);
+    if (!on_disk || rename(arg[0], arg[1]) != 0)
+      lmp->error->one(FLERR, (std::string(arg[1]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume").c_str());
+  }
+  MPI_Barrier(lmp->world);
+}
+
+void stop_requested(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 1) lmp->error->all(FLERR, "stop_requested: expects the NAME of a variable");
+  const int mine = stop_signal_came();
+  int any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, lmp->world);
+  const std::string line = std::string("variable ") + arg[0] + (any ? " equal 1" : " equal 0");
+  lmp->input->one(line.c_str());
+}
+
+void end_run(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 1) lmp->error->all(FLERR, "end_run: expects an exit status");
+  leave(lmp, lmp->force->inumeric(FLERR, arg[0]));
+}
+
+void fail(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 1) lmp->error->all(FLERR, "fail: expects one quoted text");
+  if (lmp->comm->me == 0) fprintf(stderr, "ERROR: %s\n", arg[0]);
+  leave(lmp, 1);
+}
+
+}  // namespace ballast
