@@ -1,0 +1,170 @@
+"""Sleeper and plates under load: one law each, force | pfc | fixed, evaluated at every step.
+
+force -- a small mass with drag: v += dt (F_target - F_contact - c v) / M
+pfc   -- v = gain (F_target - F_contact) / (k_n N_c dt), capped; N_c contacts, counted now and then
+fixed -- does not move
+v is the velocity along the load: down for the sleeper, inward for the plates. The weight of the walls is not applied.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import __main__
+from yade.wrapper import Omega, PyRunner
+
+from analysis import derived
+from apparatus import Apparatus
+
+O = Omega()
+COLUMNS = ("step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,"
+           "sleeper_displacement_m")
+PLATE_COLUMNS = ",plate_{0}_stress_Pa,plate_{0}_stress_mean_Pa,plate_{0}_displacement_m"
+
+
+class Wall:
+    """The sleeper (axis 2) or a plate (axis 0). Both are loaded towards smaller coordinates."""
+
+    def __init__(self, scenario, body: int, axis: int, law: str, kind: str, area_m2: float, start_m: float, outward: int):
+        """`start_m` is the body's coordinate where its displacement is 0; `outward` the sign of displacement along the load."""
+        control = derived.load_control(scenario)
+        self.body, self.axis, self.law, self.area, self.start, self.outward = body, axis, law, area_m2, start_m, outward
+        self.mass, self.drag = control[f"{kind}_mass"], control[f"{kind}_drag"]
+        self.state = O.bodies[body].state
+        self.v = -self.state.vel[axis]
+        self.contacts = scenario["load_control.pfc_contact_floor"]
+        self.force = self.sum = 0.0
+
+    def displacement(self) -> float:
+        """Displacement since the start of preload, m: sleeper positive down, plates positive outward."""
+        return self.outward * (self.start - self.state.pos[self.axis])
+
+
+class LoadControl:
+    """Drives the six walls and writes a row of raw/<stage>.csv every steps_per_row steps.
+
+    Step n is the state at which the contact forces of step n act; a row gives forces and positions of that same state.
+    """
+
+    def __init__(self, scenario, box, path, memory: dict | None = None):
+        """`memory` is what `memory()` returned before the simulation was saved."""
+        ids, grid = Apparatus.of(box), derived.time_grid(scenario)
+        self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
+        centre = [(low + high) / 2 for low, high in zip(box.sleeper.low, box.sleeper.high)]
+        self.sleeper = Wall(scenario, ids.sleeper, 2, scenario["load_control.sleeper_law"], "sleeper", box.sleeper_area_m2,
+                            centre[2], 1)
+        self.plates = [Wall(scenario, body, 0, scenario["load_control.plate_law"], "plate", box.plate_area_m2,
+                            (block.low[0] + block.high[0]) / 2, -1) for body, block in zip(ids.plates, box.plates)]
+        self.walls = [self.sleeper, *self.plates]
+        self.n, self.count, self.error, self.rows = 0, 0, 0.0, []
+        self.recent = deque(maxlen=max(1, math.ceil(scenario["preload.averaging_time"] / (self.dt * self.per_row))))
+        self.hold()
+        if memory:
+            self.n = memory["n"]
+            for wall, contacts in zip(self.walls, memory["contacts"]):
+                wall.contacts = contacts
+        __main__.load_control_step = self.step      # where PyRunner looks names up
+
+    @staticmethod
+    def engine() -> PyRunner:
+        """The engine that calls `step`, to stand between the contact loop and the integrator."""
+        return PyRunner(command="load_control_step()", iterPeriod=1, firstIterRun=0, label="load_control")
+
+    def memory(self) -> dict:
+        """What the checkpoint must keep beside YADE's state. Row sums are empty at the end of a block."""
+        return {"n": self.n, "contacts": [wall.contacts for wall in self.walls]}
+
+    def hold(self) -> None:
+        """Keep all walls where they are; targets are 0."""
+        self.targets = lambda n: (0.0, 0.0)
+        self.moving = []
+
+    def ramp(self) -> None:
+        """Raise the loads linearly from 0, from the step that comes next."""
+        s = self.scenario
+        first, steps = self.n, s["preload.ramp_time"] / self.dt
+        sleeper, plate = s["preload.sleeper_stress"], s["preload.plate_stress"]
+
+        def targets(n: int) -> tuple[float, float]:
+            share = min(1.0, (n - first) / steps)
+            return share * sleeper, share * plate
+
+        self.targets = targets
+        self._release()
+
+    def cycle(self) -> None:
+        """Load the sleeper by the cyclic signal, the plates by their constant stress."""
+        s = self.scenario
+        mean, amplitude = (s["loading.stress_max"] + s["loading.stress_min"]) / 2, (s["loading.stress_max"] - s["loading.stress_min"]) / 2
+        omega_dt, plate = 2 * math.pi * s["loading.frequency"] * self.dt, s["preload.plate_stress"]
+        self.targets = lambda n: (mean - amplitude * math.cos(omega_dt * n), plate)
+        self._release()
+
+    def _release(self) -> None:
+        self.moving = [wall for wall in self.walls if wall.law != "fixed"]
+
+    def step(self) -> None:
+        """One step: read the contact forces, move the walls, keep a row now and then."""
+        n, force = self.n, O.forces.f
+        sleeper_target, plate_target = self.targets(n)
+        for wall in self.walls:
+            wall.force = f = force(wall.body)[wall.axis]
+            wall.sum += f
+        stress = self.sleeper.force / self.sleeper.area
+        self.error += (stress - sleeper_target) ** 2
+        self.count += 1
+        if n % self.per_row == 0:
+            self._keep_row(n, sleeper_target, stress)
+        for wall in self.moving:
+            target = (sleeper_target if wall is self.sleeper else plate_target) * wall.area
+            if wall.law == "force":
+                wall.v += self.dt * (target - wall.force - wall.drag * wall.v) / wall.mass
+            else:
+                wall.v = self._pfc(n, wall, target)
+            wall.state.vel = (0.0, 0.0, -wall.v) if wall.axis == 2 else (-wall.v, 0.0, 0.0)
+        self.n = n + 1
+
+    def _pfc(self, n: int, wall: Wall, target: float) -> float:
+        s = self.scenario
+        if n % s["load_control.pfc_update_interval"] == 0:
+            count = sum(1 for i in O.bodies[wall.body].intrs() if i.isReal)
+            wall.contacts = max(count, s["load_control.pfc_contact_floor"])
+        v = s["load_control.pfc_gain"] * (target - wall.force) / (
+            s["contact.particle_wall.normal_stiffness"] * wall.contacts * self.dt)
+        limit = s["load_control.pfc_velocity_limit"]
+        return max(-limit, min(limit, v))
+
+    def _keep_row(self, n: int, target: float, stress: float) -> None:
+        row = [target, stress, self.sleeper.sum / self.count / self.sleeper.area, self.error / self.count,
+               self.sleeper.displacement()]
+        for plate in self.plates:
+            row += [plate.force / plate.area, plate.sum / self.count / plate.area, plate.displacement()]
+        self.rows.append(f"{n},{n * self.dt!r}," + ",".join(map(repr, row)) + "\n")
+        self.recent.append([wall.sum / self.count / wall.area for wall in self.walls])
+        for wall in self.walls:
+            wall.sum = 0.0
+        self.error, self.count = 0.0, 0
+
+    def start_file(self) -> None:
+        """Begin raw/<stage>.csv with its header."""
+        header = COLUMNS + "".join(PLATE_COLUMNS.format(k + 1) for k in range(len(self.plates))) + "\n"
+        self.path.write_text(header, encoding="ascii")
+
+    def write_rows(self) -> None:
+        """Append the rows since the last call to the file."""
+        with open(self.path, "a", encoding="ascii") as file:
+            file.writelines(self.rows)
+        self.rows.clear()
+
+    def mean_stresses(self) -> list[float]:
+        """Means over the last preload.averaging_time of sleeper and plates, Pa."""
+        return [sum(column) / len(self.recent) for column in zip(*self.recent)]
+
+    def targets_met(self) -> bool:
+        """True where these means are within preload.stress_tolerance of the full preload; fixed walls are not asked."""
+        s = self.scenario
+        full = [s["preload.sleeper_stress"]] + [s["preload.plate_stress"]] * len(self.plates)
+        return len(self.recent) == self.recent.maxlen and all(
+            abs(mean - target) <= s["preload.stress_tolerance"] * target
+            for wall, mean, target in zip(self.walls, self.mean_stresses(), full) if wall in self.moving)

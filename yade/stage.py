@@ -1,0 +1,171 @@
+"""What the three stages share: arguments, blocks of steps, stop requests, errors, checkpoints.
+
+A stage advances in blocks of steps. After each block it appends a row to raw/state.csv and looks for a stop request
+(SIGTERM, SIGINT), which ends it with exit code 75.
+"""
+
+import json
+import os
+import signal
+import sys
+import traceback
+from pathlib import Path
+
+from yade.wrapper import Omega
+
+from analysis import derived
+from analysis.scenario import Scenario
+from files import write_aside
+from state import StateRow
+
+O = Omega()
+STOPPED = 75
+"""Exit code of a stage that ended at a stop request."""
+
+
+class StageError(RuntimeError):
+    """A stage that cannot go on; the message is the one line that the user reads."""
+
+
+class Stage:
+    """One stage of one run.
+
+    name -- packing, preload or cyclic
+    run -- the run folder, which holds scenario.json and raw/
+    scenario, grid, box -- the parameters, the time grid and the apparatus that follow from them
+    step -- steps since the start of the stage
+    """
+
+    def __init__(self, name: str, run: Path):
+        self.name, self.run, self.step, self.bed, self.control = name, run, 0, None, None
+        self.scenario = Scenario.from_json((run / "scenario.json").read_text())
+        self.grid = derived.time_grid(self.scenario)
+        self.box = derived.apparatus(self.scenario)
+        self._stop = False
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._request_stop)
+        (run / "raw").mkdir(exist_ok=True)
+        (run / "checkpoints").mkdir(exist_ok=True)
+
+    def _request_stop(self, *_) -> None:
+        self._stop = True
+
+    @property
+    def stop_requested(self) -> bool:
+        """True once SIGTERM or SIGINT has arrived."""
+        return self._stop
+
+    def raw(self, name: str) -> Path:
+        """Path of a raw file of the run."""
+        return self.run / "raw" / name
+
+    def advance(self, steps: int) -> StateRow:
+        """Run one block of `steps` steps, write its rows and return its state."""
+        O.run(steps, True)
+        self.step += steps
+        if self.control:
+            self.control.write_rows()
+        row = StateRow.measure(self.bed, self.scenario["contact.model"], self.gravity)
+        if not row.kinetic_energy_J < float("inf"):
+            raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the run "
+                             "diverged; a smaller time.step is the usual remedy")
+        with open(self.raw("state.csv"), "a", encoding="ascii") as file:
+            file.write(row.line(self.name, self.step, O.time))
+        return row
+
+    def advance_or_stop(self, steps: int) -> StateRow:
+        """`advance` for stages that start over after a stop: a stop request ends the program here."""
+        row = self.advance(steps)
+        if self._stop:
+            print(f"{self.name}: stopped on request after step {self.step}; the stage will start over", flush=True)
+            sys.exit(STOPPED)
+        return row
+
+    @property
+    def gravity(self) -> float:
+        """Downward acceleration that acts now, m/s2."""
+        return -self.newton.gravity[2]
+
+    @property
+    def newton(self):
+        """YADE's integrator."""
+        return next(engine for engine in O.engines if engine.label == "newton")
+
+    def at_rest(self, row: StateRow, criterion: str = "rest.") -> bool:
+        """True where the bed meets both criteria, the keys `criterion`unbalanced_ratio and `criterion`kinetic_energy."""
+        return (row.unbalanced_ratio <= self.scenario[criterion + "unbalanced_ratio"]
+                and row.kinetic_energy_J <= self.scenario[criterion + "kinetic_energy"])
+
+    def advance_to_rest(self, criterion: str = "rest.") -> StateRow:
+        """Run blocks until the bed is at rest; StageError after rest.time_limit simulated seconds."""
+        start, limit = O.time, self.scenario["rest.time_limit"]
+        while True:
+            row = self.advance_or_stop(self.grid.steps_per_block)
+            if self.at_rest(row, criterion):
+                return row
+            if O.time - start > limit:
+                raise StageError(not_at_rest(self.name, limit, row, criterion))
+
+    def keep_rows_up_to(self, name: str, step: int) -> None:
+        """Drop rows of a raw file that this stage wrote after `step`, and rows of stages that come after it.
+
+        A resumed run writes those rows again.
+        """
+        path, order = self.raw(name), ["packing", "preload", "cyclic"]
+        if not path.exists():
+            return
+        with open(path, encoding="ascii") as file:
+            header, *rows = file.read().splitlines(keepends=True)
+        staged = header.startswith("stage,")
+        here = order.index(self.name)
+
+        def keep(row: str) -> bool:
+            if not row.endswith("\n"):
+                return False
+            stage, number = (row.split(",", 2)[:2]) if staged else (self.name, row.split(",", 1)[0])
+            return order.index(stage) < here or (order.index(stage) == here and int(number) <= step)
+
+        write_aside(path, header + "".join(row for row in rows if keep(row)))
+
+    def start_state_file(self) -> None:
+        """Make raw/state.csv ready: header, and only rows of the stages before this one and of this one up to now."""
+        if self.raw("state.csv").exists():
+            self.keep_rows_up_to("state.csv", self.step)
+        else:
+            write_aside(self.raw("state.csv"), StateRow.header())
+
+    def save(self, name: str) -> Path:
+        """Write checkpoints/<name>.yade.gz, aside and then renamed. The stage's step and the clump numbers travel in it."""
+        folder = self.run / "checkpoints"
+        O.tags["step"] = str(self.step)
+        O.tags["clumps"] = json.dumps(self.bed.numbers)
+        O.tags["load_control"] = json.dumps(self.control.memory())
+        aside = folder / f"partial_{name}.yade.gz"      # YADE compresses by the ending
+        O.save(str(aside))
+        os.replace(aside, folder / f"{name}.yade.gz")
+        return folder / f"{name}.yade.gz"
+
+
+def not_at_rest(stage: str, limit_s: float, row: StateRow, criterion: str = "rest.", limit_key: str = "rest.time_limit",
+                more: str = "") -> str:
+    """The line that says why a bed is not accepted as being at rest."""
+    return (f"{stage}: not at rest after {limit_s:g} s: {more}unbalanced ratio {row.unbalanced_ratio:.3g}, kinetic energy "
+            f"{row.kinetic_energy_J:.3g} J per clump ({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})")
+
+
+def main(name: str, procedure) -> None:
+    """Run `procedure(stage, checkpoint or None)`; errors become one line and exit code 1."""
+    try:
+        if len(sys.argv) < 2:
+            raise StageError(f"{name}: give the run folder: yade -j1 -n -x yade/{name}.py results/PROFILE/SCENARIO/yade")
+        run = Path(sys.argv[1])
+        if not (run / "scenario.json").exists():
+            raise StageError(f"{name}: {run.name}/scenario.json is missing; `make run` writes it")
+        procedure(Stage(name, run), Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    except StageError as error:
+        print(f"ERROR: {error}", flush=True)
+        sys.exit(1)
+    except Exception as error:      # one line for the driver, the trace for whoever reads the log
+        traceback.print_exc()
+        print(f"ERROR: {name}: {type(error).__name__}: {error}", flush=True)
+        sys.exit(1)

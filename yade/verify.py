@@ -1,0 +1,136 @@
+"""Small cases with known answers, many in one YADE process; analysis/probes.py makes them and reads what they give.
+
+    yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
+
+Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds, for
+every sphere, centre, velocity (half a step earlier), spin, contact force and contact torque after n steps.
+"""
+
+import json
+import sys
+import traceback
+from pathlib import Path
+
+import __main__
+import numpy as np
+from yade import utils
+from yade.minieigenHP import Matrix3, Quaternion, Vector3
+from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner
+
+ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
+sys.path += [str(ROOT), str(ROOT / "yade")]
+
+from analysis.scenario import Scenario                  # noqa: E402
+from bed import HEADER, Bed                             # noqa: E402
+from contact import ContactLaw                          # noqa: E402
+
+O = Omega()
+
+
+def add_ball(ball: dict, shells: tuple) -> tuple[int, list[int]]:
+    """Make a sphere; return the id of the body that moves, and those of the spheres that feel contacts."""
+    spheres = [utils.sphere(ball["position"], ball["radius"], material=material, mask=mask) for material, mask in shells]
+    if len(spheres) == 1:
+        body = O.bodies.append(spheres[0])
+        members = [body]
+    else:
+        body, members = O.bodies.appendClumped(spheres, discretization=0)
+    inertia = 0.4 * ball["mass"] * ball["radius"]**2
+    for i in {body, *members}:
+        O.bodies[i].state.mass, O.bodies[i].state.inertia = ball["mass"], Vector3(inertia, inertia, inertia)
+    if ball["held"]:
+        O.bodies[body].dynamic = False
+    set_motion(body, ball["velocity"], ball["spin"])
+    return body, members
+
+
+def set_motion(body: int, velocity, spin) -> None:
+    """Give a body its velocity and spin. YADE integrates the angular momentum of bodies that are not round."""
+    state = O.bodies[body].state
+    state.vel, state.angVel = Vector3(*velocity), Vector3(*spin)
+    turn = state.ori.toRotationMatrix()
+    state.angMom = turn * Matrix3(*(state.inertia[0], 0, 0, 0, state.inertia[1], 0, 0, 0, state.inertia[2])) * turn.transpose() * Vector3(*spin)
+
+
+def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list[int]]:
+    """Make clumps through a bed file, as a full run does; return the spheres of each end of each clump."""
+    path = folder / "bed.csv"
+    path.write_text(HEADER + "\n" + "".join(
+        f"{n}," + ",".join(map(repr, (*clump["position"], *clump["quaternion"]))) + "\n"
+        for n, clump in enumerate(clumps, start=1)), encoding="ascii")
+    Bed(scenario).place(path, shells)
+    ends = []
+    bodies = [body for body in O.bodies if body.isClump]
+    for body, clump in zip(bodies, clumps):
+        set_motion(body.id, clump["velocity"], clump["spin"])
+        members = sorted(body.shape.members)
+        ends += [members[0::2], members[1::2]]
+    return ends
+
+
+class Recorder:
+    """Keeps a row every `every` steps and moves the first ball along its path."""
+
+    def __init__(self, probe: dict, spheres: list[list[int]], driven: int | None):
+        self.every, self.spheres, self.rows, self.n = probe["every"], spheres, [], 0
+        self.driven = O.bodies[driven].state if driven is not None else None
+        self.velocities = [Vector3(*velocity) for velocity, steps in probe["path"] for _ in range(steps)]
+        __main__.verify_step = self.step        # where PyRunner looks names up
+
+    def step(self) -> None:
+        """Stands between the contact loop and the integrator."""
+        if self.n % self.every == 0:
+            row = [O.interactions.countReal()]
+            for ids in self.spheres:
+                state = O.bodies[ids[0]].state
+                force, torque = Vector3.Zero, Vector3.Zero
+                for i in ids:
+                    force += O.forces.f(i)
+                    torque += O.forces.t(i)
+                row += [*state.pos, *state.vel, *state.angVel, *force, *torque]
+            self.rows.append(row)
+        if self.velocities:
+            self.driven.vel = self.velocities[min(self.n, len(self.velocities) - 1)]
+        self.n += 1
+
+
+def run(probe: dict, folder: Path) -> None:
+    """Run one case and write its rows."""
+    O.reset()
+    scenario = Scenario.from_json(json.dumps(probe["scenario"]))
+    law = ContactLaw(scenario, scenario["contact.model"])
+    if probe["wall"]:
+        O.bodies.append(utils.wall(0.0, axis=2, sense=1, material="wall", mask=law.wall_mask))
+        O.bodies[0].state.mass = 0.0
+    balls = [add_ball(ball, law.shells) for ball in probe["balls"]]
+    spheres = [members for _, members in balls] + add_clumps(scenario, probe["clumps"], law.shells, folder)
+    driven = balls[0][0] if probe["path"] else None
+    if driven is not None:
+        O.bodies[driven].dynamic = False
+    recorder = Recorder(probe, spheres, driven)
+    O.dt = probe["step"]
+    O.engines = [
+        ForceResetter(),
+        *law.engines(),
+        PyRunner(command="verify_step()", iterPeriod=1, firstIterRun=0),
+        NewtonIntegrator(damping=0.0, gravity=(0, 0, -probe["gravity"])),
+    ]
+    O.run(probe["steps"] + 1, True)
+    np.save(folder / f"{probe['name']}.npy", np.array(recorder.rows))
+
+
+def main() -> None:
+    """Run every case of the file; one that fails says so and does not stop the others."""
+    probes, folder = json.loads(Path(sys.argv[1]).read_text()), Path(sys.argv[2])
+    failed = False
+    for probe in probes:
+        try:
+            run(probe, folder)
+        except Exception as error:
+            traceback.print_exc()
+            print(f"ERROR: {probe['name']}: {type(error).__name__}: {error}", flush=True)
+            failed = True
+    sys.exit(1 if failed else 0)
+
+
+main()
