@@ -1,0 +1,154 @@
+"""Files that WebPlotDigitizer writes: CSV of one dataset, CSV of all datasets side by side, and the project's JSON."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+class DigitiserError(ValueError):
+    """A file that cannot be used; the message is one line naming the file, the place and the remedy."""
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Points of one dataset: array (n, 2) of x and y in the units of the figure's axes.
+
+    `calibration` holds the smallest and largest axis values used to calibrate x and y, where the file tells them.
+    """
+
+    name: str
+    points: np.ndarray
+    calibration: tuple[tuple[float, float], tuple[float, float]] | None = None
+
+
+def read(path: Path) -> list[Dataset]:
+    """All datasets of a .csv or .json file that have points; one without a name is named after the file."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise DigitiserError(f"{path.name}: cannot be read ({error.strerror}); put the exported file here") from None
+    except UnicodeDecodeError:
+        raise DigitiserError(f"{path.name}: is not UTF-8 text; export it again") from None
+    datasets = _from_json(path.name, text) if path.suffix == ".json" else _from_csv(path, text)
+    datasets = [d for d in datasets if len(d.points)]
+    if not datasets:
+        raise DigitiserError(f"{path.name}: holds no points; digitise a curve before exporting")
+    names = [d.name for d in datasets]
+    for name in names:
+        if names.count(name) > 1:
+            raise DigitiserError(f"{path.name}: dataset {name!r} occurs twice; rename one in WebPlotDigitizer")
+    return datasets
+
+
+# ------------------------------------------------------------------ CSV
+
+def _from_csv(path: Path, text: str) -> list[Dataset]:
+    rows, decimal_comma = _rows(text)
+    if rows and not _number(rows[0][1][0], decimal_comma):
+        return _side_by_side(path.name, rows, decimal_comma)
+    points = []
+    for line, cells in rows:
+        if len(cells) != 2:
+            raise DigitiserError(f"{path.name}: line {line} has {len(cells)} values, not x and y; export one dataset, "
+                                 "or all by 'Export All Data'")
+        points.append(_pair(path.name, line, cells, decimal_comma))
+    return [Dataset(path.stem, np.array(points))]
+
+
+def _rows(text: str) -> tuple[list[tuple[int, list[str]]], bool]:
+    """Lines that are not empty, with their numbers; and whether numbers have a decimal comma, as in some locales."""
+    lines = text.splitlines()
+    first = next((line for line in lines if line.strip()), "")
+    separator = next((s for s in (";", "\t") if s in first), ",")
+    rows = [(k, [c.strip() for c in cells]) for k, cells in enumerate(csv.reader(lines, delimiter=separator), 1)]
+    return [(k, cells) for k, cells in rows if any(cells)], separator != ","
+
+
+def _side_by_side(file: str, rows, decimal_comma: bool) -> list[Dataset]:
+    """Two header rows (names, then X,Y for each) and columns of unequal length."""
+    line, names = rows[0]
+    axes = [c.upper() for c in rows[1][1]] if len(rows) > 1 else []
+    if not axes or axes != ["X", "Y"] * (len(axes) // 2) or len(names) > len(axes) or any(names[1::2]):
+        raise DigitiserError(f"{file}: line {line + 1} is not X,Y for each dataset; use axes of the kind 2D (X-Y) Plot "
+                             "and names without commas")
+    names = names + [""] * (len(axes) - len(names))
+    datasets = []
+    for column in range(0, len(axes), 2):
+        if not names[column]:
+            raise DigitiserError(f"{file}: the dataset in column {column + 1} has no name; name it in WebPlotDigitizer")
+        points = []
+        for line, cells in rows[2:]:
+            pair = (cells + [""] * len(axes))[column:column + 2]
+            if any(pair):
+                points.append(_pair(file, line, pair, decimal_comma))
+        datasets.append(Dataset(names[column], np.array(points)))
+    return datasets
+
+
+def _number(cell: str, decimal_comma: bool) -> bool:
+    try:
+        float(cell.replace(",", ".") if decimal_comma else cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _pair(file: str, line: int, cells: list[str], decimal_comma: bool) -> tuple[float, float]:
+    values = []
+    for cell in cells:
+        if not _number(cell, decimal_comma):
+            raise DigitiserError(f"{file}: line {line}: {cell!r} is not a number; export with plain numbers")
+        values.append(float(cell.replace(",", ".") if decimal_comma else cell))
+    if not np.isfinite(values).all():
+        raise DigitiserError(f"{file}: line {line}: {', '.join(cells)} is not finite; delete that point")
+    return values[0], values[1]
+
+
+# ------------------------------------------------------------------ project JSON
+
+def _from_json(file: str, text: str) -> list[Dataset]:
+    """Project files of version 4 (datasetColl) and of version 3 (wpd.dataSeries)."""
+    try:
+        project = json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise DigitiserError(f"{file}: is not JSON ({error}); save the project again") from None
+    try:
+        if "wpd" in project:
+            old = project["wpd"]
+            axes = {None: (old["axesType"], old["calibration"])}
+            series = [(d["name"], None, d["data"]) for d in old["dataSeries"]]
+        else:
+            axes = {a["name"]: (a["type"], a.get("calibrationPoints", [])) for a in project["axesColl"]}
+            series = [(d["name"], d["axesName"], d["data"]) for d in project["datasetColl"]]
+        return [_series(file, name, *axes[axis], data) for name, axis, data in series if data]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise DigitiserError(f"{file}: is not a WebPlotDigitizer project ({type(error).__name__} {error}); give the "
+                             "wpd.json of the saved project, or export CSV") from None
+
+
+def _series(file: str, name: str, axes_type: str, calibration: list, data: list) -> Dataset:
+    if axes_type != "XYAxes":
+        raise DigitiserError(f"{file}: dataset {name!r} lies on axes of the kind {axes_type}; use 2D (X-Y) Plot")
+    values = [point.get("value") for point in data]
+    try:
+        points = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        points = np.empty(0)
+    if points.shape != (len(values), 2) or not np.isfinite(points).all():
+        raise DigitiserError(f"{file}: dataset {name!r} has points without calibrated values; "
+                             "calibrate the axes, then save")
+    return Dataset(name, points, _calibration(calibration))
+
+
+def _calibration(points: list):
+    """Axis values of the calibration: the first two points fix x, the next two y."""
+    try:
+        x, y = [float(p["dx"]) for p in points[:2]], [float(p["dy"]) for p in points[2:4]]
+        return (min(x), max(x)), (min(y), max(y))
+    except (KeyError, TypeError, ValueError):
+        return None

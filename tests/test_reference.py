@@ -1,0 +1,387 @@
+"""Reference data: what is committed is valid; a digitised curve of any kind is taken up, or refused in one line."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+from analysis import reference, webplotdigitizer
+from analysis.reference import REFERENCE_FOLDER, load_references, settlement_laws
+from analysis.scenario import scenario_names
+
+CYCLES = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000.0])
+SETTLEMENT_MM = 2 + 8 * (1 - np.exp(-CYCLES / 20)) + 0.003 * CYCLES
+DEPTH_MM = np.array([33.0, 98, 163, 228, 293])
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A copy of the committed reference data, to drop files into."""
+    target = tmp_path / "reference_data"
+    shutil.copytree(REFERENCE_FOLDER, target, ignore=shutil.ignore_patterns("runs"))
+    return target
+
+
+def fill(sidecar, files, x=("-", [0, 1000]), y=("mm", [0, 20]), error=(0.2, "mm"), status="digitised", base=0,
+         **replace):
+    """Answer every "?" of a sidecar, x and y as (unit, range); `replace` maps further words of the file."""
+    text = sidecar.read_text()
+    text = text.replace('status  = "pending"', f'status  = "{status}"')
+    text = text.replace("files        = []", f"files = {json.dumps(files)}")
+    for key, value in (("digitised_by", '"A. Tester"'), ("date", "2026-03-01"), ("method", '"synthetic"')):
+        text = re.sub(rf'(?m)^{key} .*$', f"{key} = {value}", text)
+    text = re.sub(r"(?m)^error .*$", f'error = {{ value = {error[0]}, unit = "{error[1]}", source = "made up" }}', text)
+    text = text.replace('at_sleeper_base = "?"', f"at_sleeper_base = {base}")
+    head, x_axis, y_axis = re.split(r"(?=\[axes\.[xy]\])", text)
+    blocks = []
+    for block, (unit, limits) in ((x_axis, x), (y_axis, y)):
+        block = block.replace('unit     = "?"', f'unit     = "{unit}"')
+        blocks.append(block.replace('range    = "?"', f"range    = {limits}"))
+    text = head + "".join(blocks)
+    for old, new in replace.items():
+        assert old in text
+        text = text.replace(old, new)
+    sidecar.write_text(text)
+
+
+def single_csv(path, points, separator=", ", decimal="."):
+    path.write_text("".join(separator.join(f"{v:.10g}".replace(".", decimal) for v in row) + "\n" for row in points))
+
+
+def side_by_side_csv(path, datasets):
+    """As WebPlotDigitizer's dataExport.js writes it: names and X,Y headers, shorter columns padded by empty cells."""
+    lines = [",".join(f"{name}," for name in datasets), ",".join("X,Y" for _ in datasets)]
+    for k in range(max(map(len, datasets.values()))):
+        lines.append(",".join(",".join(map(repr, map(float, d[k]))) if k < len(d) else "," for d in datasets.values()))
+    path.write_text("\n".join(lines) + "\n")
+
+
+def project_json(path, datasets, x=(0, 1000), y=(0, 20), version=4, axes_type="XYAxes"):
+    corners = [{"px": 0, "py": 0, "dx": str(dx), "dy": str(dy), "dz": None}
+               for dx, dy in ((x[0], y[0]), (x[1], y[0]), (x[0], y[0]), (x[0], y[1]))]
+    series = [{"name": name, "axesName": "XY", "metadataKeys": [], "autoDetectionData": None,
+               "data": [{"x": 1.0, "y": 2.0, "value": list(map(float, p))} for p in points]}
+              for name, points in datasets.items()]
+    if version == 3:
+        body = {"wpd": {"version": [3, 8], "axesType": axes_type, "axesParameters": {"isLogX": False, "isLogY": False},
+                        "calibration": corners, "dataSeries": series}}
+    else:
+        axes = [{"name": "XY", "type": axes_type, "isLogX": False, "isLogY": False, "calibrationPoints": corners}]
+        body = {"version": [4, 2], "axesColl": axes, "datasetColl": series, "measurementColl": []}
+    path.write_text(json.dumps(body))
+
+
+def settlement_points(scale=1.0):
+    return np.column_stack([CYCLES, scale * SETTLEMENT_MM])
+
+
+def only(references, **wanted):
+    assert references.problems == []
+    return references.curve(**wanted)
+
+
+# ------------------------------------------------------------------ what is committed
+
+def test_the_committed_reference_data_are_valid():
+    references = load_references()
+    assert references.problems == []
+    assert len(references.pending) + references.curves.groupby(["sidecar", "curve"]).ngroups == 70
+
+
+def test_every_committed_curve_that_is_there_names_who_digitised_it_and_its_error():
+    curves = load_references().curves
+    assert (curves["error"] > 0).all() and set(curves["status"]) <= {"digitised", "transcribed"}
+
+
+@pytest.mark.parametrize("source, kind", [("indraratna2013", "experiment"), ("chen2015", "simulation")])
+def test_settlement_and_profiles_after_1_100_1000_cycles_are_asked_of_both_sources(source, kind):
+    references = load_references()
+    known = {(r.quantity, r.cycle if r.quantity == "lateral_displacement" else None)
+             for table in (references.pending, references.curves) for r in table[table["source"] == source].itertuples()
+             if r.kind == kind}
+    assert known == {("settlement", None), *(("lateral_displacement", n) for n in (1, 100, 1000))}
+
+
+def test_every_scenario_of_the_paper_has_its_curves_asked_for():
+    references = load_references()
+    for quantity in ("settlement", "lateral_displacement"):
+        asked = {r.scenario for t in (references.pending, references.curves) for r in t.itertuples()
+                 if r.source == "talebiahooie2021" and r.quantity == quantity}
+        assert asked == set(scenario_names())
+
+
+def test_settlement_laws_are_one_at_the_first_cycle_and_follow_their_formulas():
+    laws = {law.id: law for law in settlement_laws()}
+    assert set(laws) == {"log-lower", "log-hettler", "power-selig-waters"}
+    for law in laws.values():
+        assert law.ratio(1) == 1 and law.status == "transcribed" and law.source
+        assert law.ratio(50, reference_cycle=100) == pytest.approx(law.ratio(50) / law.ratio(100))
+    assert laws["log-hettler"].ratio(np.e**2) == pytest.approx(1.86)
+    assert laws["log-lower"].ratio(np.e**2) == pytest.approx(1.4)
+    assert laws["power-selig-waters"].ratio(1000) == pytest.approx(3.2359, abs=1e-4)
+
+
+def test_make_reference_lists_what_is_pending_and_succeeds(capsys):
+    assert reference.main([]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"indraratna2013/settlement\.toml +1 pending", out)
+    assert re.search(r"Curves: \d+ there, \d+ pending", out)
+
+
+# ------------------------------------------------------------------ dropping curves in
+
+@pytest.mark.parametrize("separator, decimal", [(", ", "."), (",", "."), ("; ", ","), ("\t", ".")])
+def test_a_single_csv_is_taken_up_whatever_its_dataset_was_called(folder, separator, decimal):
+    source = folder / "indraratna2013"
+    single_csv(source / "Default Dataset.csv", settlement_points(), separator, decimal)
+    fill(source / "settlement.toml", ["Default Dataset.csv"])
+    curve = only(load_references(folder), quantity="settlement", kind="experiment")
+    assert curve["value"].to_numpy() == pytest.approx(SETTLEMENT_MM * 1e-3)
+    assert curve["cycle"].to_numpy() == pytest.approx(CYCLES)
+    assert set(curve["unit"]) == {"m"} and set(curve["error"]) == {2e-4} and set(curve["status"]) == {"digitised"}
+    assert set(curve["curve"]) == {"experiment"} and curve["depth_m"].isna().all()
+
+
+def test_several_single_csv_files_are_named_after_their_datasets(folder):
+    source = folder / "talebiahooie2021"
+    names = ["linear-mu0.7", "linear-mu0.9"]
+    for k, name in enumerate(names):
+        single_csv(source / f"{name}.csv", settlement_points(1 + k / 10))
+    fill(source / "figure10_settlement.toml", [f"{n}.csv" for n in names])
+    references = load_references(folder)
+    for k, name in enumerate(names):
+        curve = only(references, quantity="settlement", scenario=name)
+        assert curve["value"].iloc[-1] == pytest.approx((1 + k / 10) * SETTLEMENT_MM[-1] * 1e-3)
+    waiting = references.pending[references.pending["sidecar"] == "talebiahooie2021/figure10_settlement.toml"]
+    assert list(waiting["curve"]) == ["linear-mu0.8"]
+
+
+def test_datasets_side_by_side_become_profiles_over_depth_below_the_sleeper(folder):
+    source = folder / "indraratna2013"
+    profiles = {f"experiment after {n}": np.column_stack([0.01 * (1 + k) * DEPTH_MM, DEPTH_MM])[: 5 - k % 2]
+                for k, n in enumerate((1, 100, 1000))}
+    side_by_side_csv(source / "wpd_datasets.csv", profiles)
+    fill(source / "lateral_displacement.toml", ["wpd_datasets.csv"], x=("mm", [0, 10]), y=("mm", [0, 325]))
+    references = load_references(folder)
+    for k, n in enumerate((1, 100, 1000)):
+        curve = only(references, quantity="lateral_displacement", cycle=n)
+        depth = DEPTH_MM[: 5 - k % 2] * 1e-3
+        assert curve["depth_m"].to_numpy() == pytest.approx(depth)
+        assert curve["value"].to_numpy() == pytest.approx(0.01 * (1 + k) * depth)
+        assert set(curve["cycle"]) == {n}
+
+
+@pytest.mark.parametrize("version", [3, 4])
+def test_a_project_file_with_several_datasets_is_taken_up_with_percent_as_porosity(folder, version):
+    source = folder / "talebiahooie2021"
+    cycles = np.array([0.0, 10, 100, 1000])
+    datasets = {f"sphere {k}": np.column_stack([cycles, 34 + k + cycles / 1000]) for k in (1, 2, 3)}
+    project_json(source / "wpd.json", datasets, y=(30, 40), version=version)
+    fill(source / "figure13_porosity_nonlinear.toml", ["wpd.json"], y=("%", [30, 40]), error=(0.1, "%"))
+    references = load_references(folder)
+    for k in (1, 2, 3):
+        curve = only(references, quantity="porosity", scenario="nonlinear-en1.0", sphere=k)
+        assert curve["value"].to_numpy() == pytest.approx((34 + k + cycles / 1000) / 100)
+        assert set(curve["unit"]) == {"-"} and curve["error"].to_numpy() == pytest.approx(1e-3)
+
+
+def test_an_axis_of_heights_and_one_of_negative_settlements_are_turned_round(folder):
+    source = folder / "chen2015"
+    single_csv(source / "simulation after 1.csv", np.column_stack([[1.0, 2, 3, 4, 5], 325 - DEPTH_MM]))
+    fill(source / "lateral_displacement.toml", ["simulation after 1.csv"], x=("mm", [0, 10]), y=("mm", [0, 325]),
+         base=325, **{"reversed = false": "reversed = true"})
+    single_csv(source / "s.csv", np.column_stack([CYCLES, -SETTLEMENT_MM / 10]))
+    fill(source / "settlement.toml", ["s.csv"], y=("cm", [0, -2]), error=(0.02, "cm"),
+         **{"reversed = false": "reversed = true"})
+    references = load_references(folder)
+    profile = only(references, quantity="lateral_displacement", source="chen2015")
+    assert profile["depth_m"].to_numpy() == pytest.approx(DEPTH_MM * 1e-3)
+    assert only(references, quantity="settlement")["value"].to_numpy() == pytest.approx(SETTLEMENT_MM * 1e-3)
+
+
+def test_metres_and_millimetres_are_told_apart_by_the_declared_unit_only(folder):
+    source = folder / "indraratna2013"
+    single_csv(source / "s.csv", settlement_points(1e-3))
+    fill(source / "settlement.toml", ["s.csv"], y=("m", [0, 0.02]), error=(2e-4, "m"))
+    curve = only(load_references(folder), quantity="settlement")
+    assert curve["value"].to_numpy() == pytest.approx(SETTLEMENT_MM * 1e-3)
+
+
+def test_seconds_on_the_axis_become_cycles_of_the_load(folder):
+    source = folder / "indraratna2013"
+    single_csv(source / "s.csv", np.column_stack([CYCLES / 20, SETTLEMENT_MM]))
+    fill(source / "settlement.toml", ["s.csv"], x=("s", [0, 50]))
+    assert only(load_references(folder), quantity="settlement")["cycle"].to_numpy() == pytest.approx(CYCLES)
+
+
+def test_numbers_from_a_table_are_listed_as_transcribed(folder, capsys):
+    source = folder / "indraratna2013"
+    single_csv(source / "s.csv", settlement_points())
+    fill(source / "settlement.toml", ["s.csv"], status="transcribed")
+    assert reference.main(["--folder", str(folder)]) == 0
+    assert re.search(r"indraratna2013/settlement\.toml +1 transcribed", capsys.readouterr().out)
+
+
+def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
+    for source in ("indraratna2013", "chen2015"):
+        single_csv(folder / source / "s.csv", settlement_points())
+        fill(folder / source / "settlement.toml", ["s.csv"])
+    (folder / "chen2015" / "settlement.toml").write_text("status = ")
+    references = load_references(folder)
+    assert set(references.curves["source"]) == {"indraratna2013"}
+    problem, = references.problems
+    assert problem.startswith("chen2015/settlement.toml: is not valid TOML")
+    assert reference.main(["--folder", str(folder)]) == 1
+    assert "ERROR: chen2015/settlement.toml" in capsys.readouterr().err
+
+
+# ------------------------------------------------------------------ what is refused
+
+def _points(change):
+    def make(source):
+        single_csv(source / "s.csv", change(settlement_points()))
+        return {}
+    return make
+
+
+def _file(name, content):
+    def make(source):
+        (source / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        return {"files": [name]}
+    return make
+
+
+def _fill(**options):
+    def make(source):
+        single_csv(source / "s.csv", settlement_points())
+        return options
+    return make
+
+
+def _project(**options):
+    def make(source):
+        project_json(source / "wpd.json", {"experiment": settlement_points()}, **options)
+        return {"files": ["wpd.json"]}
+    return make
+
+
+def _row(points, k, column, value):
+    points[k, column] = value
+    return points
+
+
+# what is wrong: (what is made, words of the line)
+BAD = {
+    "file missing": (lambda source: {}, ["s.csv", "cannot be read", "put the exported file here"]),
+    "file empty": (_file("s.csv", ""), ["s.csv", "holds no points"]),
+    "not text": (_file("s.csv", b"\xff\xfe1\x002"), ["s.csv", "not UTF-8"]),
+    "three columns": (_file("s.csv", "1,2,3\n2,3,4\n3,4,5\n"), ["s.csv: line 1", "3 values", "Export All Data"]),
+    "a word among numbers": (_file("s.csv", "1,2\n2,x\n"), ["s.csv: line 2", "'x' is not a number"]),
+    "infinite": (_file("s.csv", "1,2\n2,inf\n"), ["s.csv: line 2", "not finite"]),
+    "polar axes": (_file("s.csv", "a,,\nR,Theta,\n1,2,\n"), ["s.csv: line 2", "2D (X-Y) Plot"]),
+    "comma in a name": (_file("s.csv", "a,b,,c,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "names without commas"]),
+    "nameless dataset": (_file("s.csv", "a,,,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "column 3", "no name"]),
+    "misspelt dataset": (
+        _file("s.csv", "experment,,b,\nX,Y,X,Y\n1,2,3,4\n"),
+        ["s.csv", "'experment' is not a curve of settlement.toml", "perhaps 'experiment'"]),
+    "dataset twice": (_file("s.csv", "a,,a,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "'a' occurs twice"]),
+    "not JSON": (_file("s.json", "{"), ["s.json", "not JSON"]),
+    "JSON of something else": (_file("s.json", '{"a": 1}'), ["s.json", "not a WebPlotDigitizer project", "wpd.json"]),
+    "JSON list": (_file("s.json", "[1, 2]"), ["s.json", "not a WebPlotDigitizer project"]),
+    "project on a map": (_project(axes_type="MapAxes"), ["wpd.json", "MapAxes", "2D (X-Y) Plot"]),
+    "project without calibration": (
+        _file("s.json", json.dumps({"axesColl": [{"name": "XY", "type": "XYAxes"}], "datasetColl": [
+            {"name": "a", "axesName": "XY", "data": [{"x": 1, "y": 2}] * 3}]})),
+        ["s.json", "without calibrated values", "calibrate the axes"]),
+    "project calibrated in other units": (
+        _project(y=(0, 5000)),
+        ["wpd.json", "calibrated from 0 to 5000", "0 to 20 mm", "axes.y"]),
+    "too few points": (_points(lambda p: p[:2]), ["'experiment'", "2 points", "at least 3"]),
+    "metres called millimetres": (_fill(y=("m", [0, 20])), ["settlement", "m is outside", "axes.y: unit"]),
+    "off the axis": (_points(lambda p: _row(p, 3, 1, 25.0)), ["y = 25", "off the axis, 0 to 20 mm", "axes.y.range"]),
+    "beyond the last cycle": (_points(lambda p: _row(p, 9, 0, 1100.0)), ["x = 1100", "off the axis, 0 to 1000"]),
+    "cycles go back": (_points(lambda p: _row(p, 4, 0, 3.0)), ["cycle does not increase at point 5", "sort by X"]),
+    "cycle twice": (_points(lambda p: _row(p, 4, 0, 10.0)), ["does not increase at point 5", "doubled points"]),
+    "negative settlement": (
+        lambda source: _points(lambda p: p * [1, -0.1])(source) | {"y": ("mm", [0, -2])},
+        ["settlement is negative", "axes.y.reversed = true"]),
+    "empty axis": (_fill(y=("mm", [5, 5])), ["settlement.toml", "axes.y.range = [5, 5] is empty"]),
+    "still pending": (_fill(status="pending"), ["settlement.toml", 'status = "pending"', 'status = "digitised"']),
+    "open question": (
+        _fill(**{'digitised_by = "A. Tester"': 'digitised_by = "?"'}),
+        ["digitised_by", '"?" is still open']),
+    "unit not filled in": (_fill(y=("?", [0, 20])), ["axes.y.unit", '"?" is still open']),
+    "range not filled in": (_fill(**{"range    = [0, 20]": 'range    = "?"'}), ["axes.y.range", '"?" is still open']),
+    "no error stated": (_fill(error=(0, "mm")), ["error.value = 0 is refused"]),
+    "error in another unit": (_fill(error=(1, "%")), ["settlement.toml: error.unit = %", "settlement"]),
+    "unknown status": (_fill(status="guessed"), ["status", '"guessed" is refused', "pending, digitised, transcribed"]),
+    "unknown unit": (_fill(y=("inch", [0, 20])), ["axes.y.unit", '"inch" is refused', "mm, cm, m"]),
+    "cycles in millimetres": (_fill(x=("mm", [0, 1000])), ["axes.x.unit", '"mm" is refused', "-, s"]),
+    "unknown key": (_fill(**{"kind ": 'remark = "x"\nkind '}), ["the file", "'remark'", "allowed: source"]),
+    "no licence": (_fill(**{"licence ": "#licence "}), ["the file", "'licence' is a required property"]),
+    "axes that make no curve": (
+        _fill(**{'quantity = "cycle"': 'quantity = "porosity"', 'unit     = "-"': 'unit     = "%"'}),
+        ["axes", "porosity and settlement make no curve", "settlement with cycle"]),
+    "sphere for a settlement": (
+        _fill(**{'dataset = "experiment"': 'dataset = "experiment", sphere = 1'}),
+        ["'experiment' has sphere", "settlement has none"]),
+    "unknown scenario": (
+        _fill(**{'dataset = "experiment"': 'dataset = "experiment", scenario = "linear"'}),
+        ["scenario 'linear' is unknown", "scenarios.toml"]),
+    "curve twice": (
+        _fill(**{'  { dataset = "experiment" },': '  { dataset = "experiment" },\n  { dataset = "experiment" },'}),
+        ["curves", "'experiment' occurs twice"]),
+    "source without citation": (
+        _fill(**{'source  = "indraratna2013"': 'source  = "indraratna2012"'}),
+        ["source = 'indraratna2012' is not in reference.bib"]),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_curve_is_refused_in_one_line_with_the_remedy(case, folder):
+    make, words = BAD[case]
+    source = folder / "indraratna2013"
+    options = {"files": ["s.csv"]} | make(source)
+    fill(source / "settlement.toml", **options)
+    references = load_references(folder)
+    assert len(references.problems) == 1, references.problems
+    message = references.problems[0]
+    assert message.startswith("indraratna2013/") and "\n" not in message and len(message) < 400
+    for word in words:
+        assert word in message
+    assert references.curves.empty
+
+
+def test_a_profile_without_its_cycle_is_refused(folder):
+    sidecar = folder / "chen2015" / "lateral_displacement.toml"
+    sidecar.write_text(sidecar.read_text().replace(", cycle = 100 ", " "))
+    assert "'simulation after 100' needs cycle; add it" in load_references(folder).problems[0]
+
+
+def test_a_dropped_file_that_no_sidecar_names_is_not_overlooked(folder):
+    single_csv(folder / "chen2015" / "settlement.csv", settlement_points())
+    problem, = load_references(folder).problems
+    assert problem.startswith("chen2015/settlement.csv: is named by no sidecar; add it to `files`")
+
+
+@pytest.mark.parametrize("old, new, words", [
+    ("coefficient = 0.43", "coefficient = 43", "log-hettler: form = logarithm, coefficient = 43 is refused"),
+    ('form        = "power"', 'form        = "root"', "power-selig-waters: form = root"),
+    ('= ["hettler1984"]', '= ["hettler"]', "log-hettler: source 'hettler' is not in reference.bib"),
+    ("coefficient = 0.43", "", "each [[law]] has id, label"),
+])
+def test_a_bad_settlement_law_is_refused_in_one_line(folder, capsys, old, new, words):
+    path = folder / "settlement_laws" / "laws.toml"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    assert reference.main(["--folder", str(folder)]) == 1
+    error = capsys.readouterr().err
+    assert words in error and error.count("\n") == 1
+
+
+def test_calibration_of_a_project_file_is_read(tmp_path):
+    project_json(tmp_path / "wpd.json", {"a": settlement_points()}, x=(0, 1000), y=(20, 0))
+    dataset, = webplotdigitizer.read(tmp_path / "wpd.json")
+    assert dataset.calibration == ((0, 1000), (0, 20))
