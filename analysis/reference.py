@@ -91,8 +91,8 @@ def load_references(folder: Path = REFERENCE_FOLDER) -> References:
             pending += missing
     for path in sorted(folder.glob("*/*")):
         if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named:
-            problems.append(f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar of "
-                            "its figure and set its status")
+            problems.append(f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
+                            "of its figure and set its status")
     table = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=COLUMNS)
     return References(table[list(COLUMNS)], pd.DataFrame(pending, columns=PENDING_COLUMNS), problems)
 

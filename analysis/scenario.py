@@ -155,6 +155,11 @@ def profile_names(path: Path = SCENARIO_FILE) -> list[str]:
     return list(_read(Path(path))["profile"])
 
 
+def base_parameters(path: Path = SCENARIO_FILE) -> dict[str, Parameter]:
+    """Parameters of [base], before any scenario."""
+    return _base(Path(path), _read(Path(path)))
+
+
 def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, cycles: int | None = None) -> Scenario:
     """Resolve base <- scenario (and the scenarios it is based on) <- profile.
 
@@ -169,6 +174,14 @@ def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, 
     return scenario
 
 
+def _base(path: Path, content: dict) -> dict[str, Parameter]:
+    parameters = {key: _parameter(path, "base", key, entry) for key, entry in _leaves(content["base"])}
+    for key in KEYS:
+        if key not in parameters:
+            raise ScenarioError(f"{path.name}: base.{key} is missing; give value, unit, status and source")
+    return parameters
+
+
 def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | None = None) -> Scenario:
     """Lay the layers over each other, each value checked by itself."""
     if name not in content["scenario"]:
@@ -176,11 +189,7 @@ def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | N
     if profile not in content["profile"]:
         raise ScenarioError(f"{path.name}: profile {profile!r} is unknown; known: {', '.join(content['profile'])}")
 
-    parameters = {key: _parameter(path, "base", key, entry) for key, entry in _leaves(content["base"])}
-    for key in KEYS:
-        if key not in parameters:
-            raise ScenarioError(f"{path.name}: base.{key} is missing; give value, unit, status and source")
-
+    parameters = _base(path, content)
     layers, current, chain = [], name, []
     while current:
         if current in chain:
