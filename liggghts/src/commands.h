@@ -25,8 +25,8 @@ void write_contacts(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 /// write_state FILE STAGE: append one row of the bed's state.
 void write_state_row(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 
-/// publish FILE NAME: give the finished FILE its NAME, after it has reached the disk.
-void publish(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
+/// write_checkpoint FILE: a restart file that appears complete, or not at all.
+void write_checkpoint(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 
 /// stop_requested NAME: set the variable NAME to 1 if SIGTERM or SIGINT came to any rank, else to 0.
 void stop_requested(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);

@@ -115,7 +115,7 @@ void register_styles(LAMMPS *lmp) {
   commands["write_bed"] = &write_bed;
   commands["write_contacts"] = &write_contacts;
   commands["write_state"] = &write_state_row;
-  commands["publish"] = &publish;
+  commands["write_checkpoint"] = &write_checkpoint;
   commands["stop_requested"] = &stop_requested;
   commands["end_run"] = &end_run;
   commands["fail"] = &fail;

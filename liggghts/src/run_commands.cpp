@@ -1,6 +1,7 @@
 // Commands that report and steer a run: state rows, checkpoints, stop requests, ends.
 #include <fcntl.h>
 #include <mpi.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,6 +26,9 @@ using namespace LAMMPS_NS;
 namespace ballast {
 
 namespace {
+
+/// Bytes: less than this is free only where a file did not fit.
+const double SPACE_LEFT_BY_A_WHOLE_FILE = 65536.0;
 
 /// All ranks together.
 void leave(LAMMPS *lmp, int status) {
@@ -59,14 +63,29 @@ void write_state_row(LAMMPS *lmp, int narg, char **arg) {
     lmp->error->one(FLERR, (std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume").c_str());
 }
 
-void publish(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 2) lmp->error->all(FLERR, "publish: expects FILE NAME");
+namespace {
+
+/// Free bytes where `path` lies.
+double free_space(const std::string &path) {
+  const std::string::size_type slash = path.rfind('/');
+  struct statvfs disk;
+  if (statvfs(slash == std::string::npos ? "." : path.substr(0, slash).c_str(), &disk) != 0) return 0.0;
+  return static_cast<double>(disk.f_bavail) * disk.f_frsize;
+}
+
+}  // namespace
+
+void write_checkpoint(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 1) lmp->error->all(FLERR, "write_checkpoint: expects FILE");
+  const std::string path = arg[0], partial = path + ".partial";
+  lmp->input->one(("write_restart " + partial).c_str());
   if (lmp->comm->me == 0) {
-    const int descriptor = open(arg[0], O_RDONLY);
-    const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0;
+    // LIGGGHTS does not notice a full disk: what does not fit is silently missing
+    const int descriptor = open(partial.c_str(), O_RDONLY);
+    const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0 && free_space(path) >= SPACE_LEFT_BY_A_WHOLE_FILE;
     if (descriptor >= 0) close(descriptor);
-    if (!on_disk || rename(arg[0], arg[1]) != 0)
-      lmp->error->one(FLERR, (std::string(arg[1]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume").c_str());
+    if (!on_disk || rename(partial.c_str(), path.c_str()) != 0)
+      lmp->error->one(FLERR, (path + ": cannot be written; free disk space or correct permissions, then resume").c_str());
   }
   MPI_Barrier(lmp->world);
 }
@@ -87,7 +106,14 @@ void end_run(LAMMPS *lmp, int narg, char **arg) {
 
 void fail(LAMMPS *lmp, int narg, char **arg) {
   if (narg != 1) lmp->error->all(FLERR, "fail: expects one quoted text");
-  if (lmp->comm->me == 0) fprintf(stderr, "ERROR: %s\n", arg[0]);
+  // quoted text reaches a command with its variables still unresolved
+  int room = static_cast<int>(strlen(arg[0])) + 1, room_copy = room;
+  char *text = static_cast<char *>(malloc(room)), *copy = static_cast<char *>(malloc(room));
+  strcpy(text, arg[0]);
+  lmp->input->substitute(text, copy, room, room_copy, 0);
+  if (lmp->comm->me == 0) fprintf(stderr, "ERROR: %s\n", text);
+  free(text);
+  free(copy);
   leave(lmp, 1);
 }
 
