@@ -9,7 +9,7 @@ import sys
 from dataclasses import dataclass
 
 STATUSES = ("reported", "derived", "assumed", "calibrated")
-PROFILE_KEYS = ("geometry.width_scale", "loading.cycles", "output.checkpoint_cycles", "output.keep_beds")
+PROFILE_KEYS = ("geometry.width_scale", "packing.lattice_gap", "loading.cycles", "output.checkpoint_cycles", "output.keep_beds")
 
 
 @dataclass(frozen=True)
