@@ -122,11 +122,6 @@ def lattice_spacing(s) -> float:
     return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"]
 
 
-def void_fraction_of_lattice(s) -> float:
-    """Porosity that the clumps would have if they filled the lattice without overlap; <= 0 is impossible."""
-    return 1 - clump(s).volume_m3 * math.sqrt(2) / lattice_spacing(s) ** 3
-
-
 def critical_time_step(s) -> float:
     """2 sqrt(m / k) of one clump on the stiffest linear contact, s: no step above it can be stable."""
     k = s["contact.particle_wall.normal_stiffness"]

@@ -33,5 +33,10 @@ def lattice_bed(s, seed: int) -> list[tuple[float, ...]]:
     return poses
 
 
+def void_fraction(s) -> float:
+    """Porosity that the lattice clumps would have if they filled the free space of the box without overlap; <= 0 is impossible."""
+    return 1 - len(lattice_bed(s, seed=1)) * derived.clump(s).volume_m3 / derived.apparatus(s).ballast_volume_m3
+
+
 def _steps(start: float, stop: float, step: float) -> list[float]:
     return [start + i * step for i in range(int((stop - start) / step + 1e-9) + 1)] if stop >= start else []

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from . import derived
+from . import derived, lattice
 from .schema import KEYS, PROFILE_KEYS, STATUSES
 
 SCENARIO_FILE = Path(__file__).resolve().parent.parent / "scenarios.toml"
@@ -262,12 +262,12 @@ def _check_together(path: Path, s: Scenario) -> None:
         raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")
     if derived.apparatus(s).width_m < 2 * s["clump.ball_radius"]:
         raise refuse("geometry.width_scale", "a slice wide enough for one clump")
-    void = derived.void_fraction_of_lattice(s)
+    void = lattice.void_fraction(s)
     if void <= 0:
         raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
     if void > 0.6:
         raise refuse("packing.lattice_gap",
-                     f"a gap whose bed can reach the sleeper: lattice porosity at most 0.6, here {void:.3g}")
+                     f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}")
     limit = derived.critical_time_step(s)
     if max(s["time.step"], derived.time_grid(s).step_s) > limit:
         raise refuse("time.step",
