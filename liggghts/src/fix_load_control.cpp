@@ -30,7 +30,7 @@ typedef MultiVectorContainer<double, 3, 3> NodeVelocities;
 
 FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg), stage_(NULL), law_(FIXED), mass_(0.0), drag_(0.0), gain_(0.0), stiffness_(0.0), velocity_limit_(0.0),
-      contact_floor_(1.0), count_interval_(1), target_style_(CONSTANT), ramp_start_(0.0), velocity_(0.0), travel_(0.0),
+      contact_floor_(0.0), count_interval_(0), target_style_(CONSTANT), ramp_start_(0.0), velocity_(0.0), travel_(0.0),
       contact_force_(0.0), contacts_(0), stress_sum_(0.0), squared_error_sum_(0.0), row_steps_(0), averaging_time_(0.0),
       window_next_(0), window_full_(false) {
   if (narg != 10 || strcmp(arg[4], "direction") != 0 || strcmp(arg[8], "area") != 0)
@@ -46,7 +46,7 @@ FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
   std::fill(target_values_, target_values_ + 3, 0.0);
   wall_->triMesh()->registerMove(false, true, false);
   vector_flag = 1;
-  size_vector = 8;
+  size_vector = 9;
   global_freq = 1;
   extvector = 0;
   restart_global = 1;
@@ -62,6 +62,9 @@ void FixLoadControl::pre_delete(bool unfix) {
 int FixLoadControl::setmask() { return INITIAL_INTEGRATE | FINAL_INTEGRATE; }
 
 void FixLoadControl::init() {
+  if (law_ == FORCE && !(mass_ > 0.0)) error->fix_error(FLERR, this, "law force needs a positive mass");
+  if (law_ == PFC && !(stiffness_ > 0.0 && velocity_limit_ > 0.0 && count_interval_ >= 1 && contact_floor_ >= 1.0))
+    error->fix_error(FLERR, this, "law pfc needs a positive stiffness and velocity_limit, count_interval and contact_floor of at least 1");
   stage_ = FixStage::find(lmp);
   const std::size_t steps = static_cast<std::size_t>(averaging_time_ / update->dt + 0.5);
   if (steps != window_.size()) {
@@ -151,6 +154,11 @@ double FixLoadControl::window_mean() const {
   return window_full_ ? std::accumulate(window_.begin(), window_.end(), 0.0) / window_.size() : 0.0;
 }
 
+double FixLoadControl::deviation() const {
+  if (law_ == FIXED) return 0.0;
+  return window_full_ ? fabs(window_mean() / target() - 1.0) : 1.0;
+}
+
 double FixLoadControl::compute_vector(int n) {
   switch (n) {
     case 0: return target();
@@ -160,7 +168,8 @@ double FixLoadControl::compute_vector(int n) {
     case 4: return travel_;
     case 5: return velocity_;
     case 6: return window_mean();
-    default: return contacts_;
+    case 7: return contacts_;
+    default: return deviation();
   }
 }
 
@@ -170,38 +179,29 @@ double FixLoadControl::number(int narg, char **arg, int index) const {
 }
 
 int FixLoadControl::modify_param(int narg, char **arg) {
+  const std::string key = arg[0];
   if (narg < 2) return 0;
   int used = 2;
-  if (strcmp(arg[0], "law") == 0) parse_law(narg, arg, used);
-  else if (strcmp(arg[0], "target") == 0) parse_target(narg, arg, used);
-  else if (strcmp(arg[0], "averaging_time") == 0) averaging_time_ = number(narg, arg, 1);
+  if (key == "law") parse_law(arg[1]);
+  else if (key == "target") parse_target(narg, arg, used);
+  else if (key == "mass") mass_ = number(narg, arg, 1);
+  else if (key == "drag") drag_ = number(narg, arg, 1);
+  else if (key == "gain") gain_ = number(narg, arg, 1);
+  else if (key == "stiffness") stiffness_ = number(narg, arg, 1);
+  else if (key == "velocity_limit") velocity_limit_ = number(narg, arg, 1);
+  else if (key == "count_interval") count_interval_ = static_cast<int>(number(narg, arg, 1));
+  else if (key == "contact_floor") contact_floor_ = number(narg, arg, 1);
+  else if (key == "averaging_time") averaging_time_ = number(narg, arg, 1);
   else return 0;
   return used;
 }
 
-void FixLoadControl::parse_law(int narg, char **arg, int &used) {
-  if (strcmp(arg[1], "fixed") == 0) {
-    law_ = FIXED;
-    velocity_ = 0.0;
-  } else if (strcmp(arg[1], "force") == 0) {
-    law_ = FORCE;
-    mass_ = number(narg, arg, 2);
-    drag_ = number(narg, arg, 3);
-    if (mass_ <= 0.0) error->fix_error(FLERR, this, "law force: mass must be positive");
-    used = 4;
-  } else if (strcmp(arg[1], "pfc") == 0) {
-    law_ = PFC;
-    gain_ = number(narg, arg, 2);
-    stiffness_ = number(narg, arg, 3);
-    velocity_limit_ = number(narg, arg, 4);
-    count_interval_ = static_cast<int>(number(narg, arg, 5));
-    contact_floor_ = number(narg, arg, 6);
-    if (stiffness_ <= 0.0 || count_interval_ < 1 || contact_floor_ < 1.0)
-      error->fix_error(FLERR, this, "law pfc: stiffness must be positive, interval and contact floor at least 1");
-    used = 7;
-  } else {
-    error->fix_error(FLERR, this, "law must be fixed, force or pfc");
-  }
+void FixLoadControl::parse_law(const char *name) {
+  if (strcmp(name, "fixed") == 0) law_ = FIXED;
+  else if (strcmp(name, "force") == 0) law_ = FORCE;
+  else if (strcmp(name, "pfc") == 0) law_ = PFC;
+  else error->fix_error(FLERR, this, "law must be fixed, force or pfc");
+  if (law_ == FIXED) velocity_ = 0.0;
 }
 
 void FixLoadControl::parse_target(int narg, char **arg, int &used) {

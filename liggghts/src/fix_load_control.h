@@ -9,9 +9,10 @@ namespace LAMMPS_NS {
 
 /// Presses a mesh wall on the bed along one direction, or measures what the bed does to it.
 ///   fix ID all ballast/load MESH_FIX direction X Y Z area A
-///   fix_modify ID law fixed
-///   fix_modify ID law force M C                            mass (kg) with drag (N s/m) under the load
-///   fix_modify ID law pfc GAIN KN VMAX EVERY FLOOR         velocity proportional to the force error
+///   fix_modify ID law fixed                                measure only
+///   fix_modify ID law force mass M drag C                  M dv/dt = target force - contact force - C v   (kg, N s/m)
+///   fix_modify ID law pfc gain A stiffness KN count_interval N contact_floor F velocity_limit V
+///                                                          v = A (target force - contact force) / (KN N_c dt), limited
 ///   fix_modify ID target constant S | ramp S1 S2 T | harmonic MEAN AMPLITUDE FREQUENCY
 ///   fix_modify ID averaging_time T                         window of output 7, s
 /// Stresses in Pa, positive = bed pushes back; a ramp begins at the present step, a harmonic target is
@@ -19,7 +20,7 @@ namespace LAMMPS_NS {
 /// the last output row are kept in restart files; law and target come from the deck.
 /// Outputs: [1] target (Pa), [2] stress (Pa), [3] mean stress since the last row (Pa), [4] mean squared error since then (Pa2),
 /// [5] travel along the direction (m), [6] velocity (m/s), [7] mean stress over the averaging window (Pa; 0 until it is full),
-/// [8] contacts of the wall when last counted.
+/// [8] contacts of the wall when last counted, [9] relative deviation of [7] from the target (0 under law fixed; 1 until the window is full).
 class FixLoadControl : public Fix {
  public:
   FixLoadControl(class LAMMPS *, int, char **);
@@ -46,12 +47,13 @@ class FixLoadControl : public Fix {
   enum Law { FIXED, FORCE, PFC };
   enum Target { CONSTANT, RAMP, HARMONIC };
 
-  void parse_law(int narg, char **arg, int &used);
+  void parse_law(const char *name);
   void parse_target(int narg, char **arg, int &used);
   double number(int narg, char **arg, int index) const;
   void set_wall_velocity();
   void count_contacts();
   double window_mean() const;
+  double deviation() const;
 
   class FixMeshSurface *wall_;
   class MeshModuleStress *contact_stress_;

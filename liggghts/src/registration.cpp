@@ -34,6 +34,7 @@
 #include "fix_history.h"
 #include "fix_load_control.h"
 #include "fix_multisphere_damped.h"
+#include "fix_probe.h"
 #include "fix_stage.h"
 
 using namespace LAMMPS_NS;
@@ -104,6 +105,7 @@ void register_contact_models() {
 void register_styles(LAMMPS *lmp) {
   FixTable &fixes = *(lmp->modify->*member_of(FixTableKey()));
   fixes["multisphere/damped"] = &create_fix<FixMultisphereDamped>;
+  fixes["ballast/probe"] = &create_fix<FixProbe>;
   fixes["ballast/stage"] = &create_fix<FixStage>;
   fixes["ballast/load"] = &create_fix<FixLoadControl>;
   fixes["ballast/history"] = &create_fix<FixHistory>;
