@@ -1,19 +1,20 @@
 # Ballast under cyclic load, in YADE and in LIGGGHTS. `make` alone prints what there is.
 
-SCENARIO ?= linear-mu0.8
-CODE     ?= liggghts
-PROFILE  ?= demo
-SEED     ?= 1
-NP       ?= 1
-RESULTS  ?= results
-CYCLES   ?=
-BED      ?=
-CASE     ?= nonlinear-md1-en0.6
+SCENARIO  ?= linear-mu0.8
+CODE      ?= liggghts
+PROFILE   ?= demo
+SEED      ?= 1
+NP        ?= 1
+RESULTS   ?= results
+CYCLES    ?=
+BED       ?=
+SCENARIOS ?=
+CASE      ?= nonlinear-md1-en0.6
 
 PYTHON   ?= python3
 ANALYSIS := .venv/bin/python -m analysis
 STAMP    := .venv/installed
-OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULTS) $(if $(CYCLES),--cycles $(CYCLES)) $(if $(BED),--bed $(BED))
+OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULTS) $(if $(CYCLES),--cycles $(CYCLES)) $(if $(BED),--bed $(BED)) $(if $(SCENARIOS),--scenarios $(SCENARIOS))
 FOLDER    = $(RESULTS)/$(PROFILE)/$(SCENARIO)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
 
 .DEFAULT_GOAL := help
@@ -67,8 +68,8 @@ impact: setup ## two clumps against each other: make impact CASE=nonlinear-md1-e
 	@$(ANALYSIS) impact $(CASE)
 calibrate: setup ## clumps and porosity over the lattice gap (hours)
 	@$(ANALYSIS) calibrate
-bench: setup ## steps per second of both codes
-	@$(ANALYSIS) bench --profile $(PROFILE)
+bench: setup ## steps per second of both codes, one after the other
+	@$(ANALYSIS) bench --profile $(PROFILE) --ranks $(NP) --results $(RESULTS)
 
 ## Housekeeping
 setup: ## packages, Python environment and LIGGGHTS host, where missing

@@ -34,6 +34,11 @@ class Tail:
         return [dict(zip(self.columns, line.split(","), strict=False)) for line in lines]
 
 
+def last_rows(state_file: Path) -> dict[str, Row]:
+    """The last row of each stage in raw/state.csv."""
+    return {row["stage"]: row for row in Tail(state_file).new_rows()}
+
+
 def keep_rows(path: Path, wanted: Callable[[Row], bool]) -> None:
     """Rewrite a CSV file with its wanted rows only; torn or unreadable lines go. Does nothing without the file."""
     if not path.exists():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import functools
 import math
 import os
 import signal
@@ -19,9 +20,8 @@ from pathlib import Path
 from . import checkpoints, derived, record
 from .engines import BED_HEADER, CODES, ROOT, STAGES, EngineError, command, versions, write_inputs
 from .locks import Busy, hold
-from .normalise import NormaliseError, Normaliser
 from .progress import Progress, duration
-from .rawfiles import cut_stage, keep_rows
+from .rawfiles import cut_stage, keep_rows, last_rows
 from .scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 from .supervise import DISK_FULL, Interrupted, RunError, StopRequest, Supervisor, deviations
 from .watch import Diverged
@@ -63,8 +63,13 @@ class Run:
         self.bed_file = self.raw / "bed_packed.csv"
         self.title = f"{scenario.name} {self.code} {scenario.profile}" + (f" seed {options.seed}" if options.seed != 1 else "")
         self.progress = Progress(self.title, options.progress == "lines")
-        self.normaliser = Normaliser(self.folder, scenario)
         self.record: dict = {}
+
+    @functools.cached_property
+    def normaliser(self):
+        """Imported only where it is needed: its libraries take a second to load."""
+        from .normalise import Normaliser
+        return Normaliser(self.folder, self.scenario)
 
     # ------------------------------------------------------------------ the whole run
 
@@ -129,7 +134,7 @@ class Run:
             raise
         except Diverged as error:
             self._fail(f"diverged: {error}")
-        except (RunError, EngineError, ScenarioError, NormaliseError) as error:
+        except (RunError, EngineError, ValueError) as error:        # bad scenarios and bad raw files are ValueErrors
             self._fail(str(error))
         except OSError as error:
             self._fail(self.disk_full() if error.errno in DISK_FULL else f"{error.filename}: {error.strerror}")
@@ -166,12 +171,13 @@ class Run:
         write_inputs(self.scenario, self.folder, self.options.seed)
         old = record.read(self.folder) or {}
         timing, ranks = old.get("timing", {}), self.options.ranks
+        states = last_rows(self.raw / "state.csv")
         self.record = {
             "scenario": self.scenario.name, "profile": self.scenario.profile, "code": self.code,
             "scenario_hash": self.scenario.hash, "title": self.scenario.title, "versions": record.versions(engine),
             "command": self.command_line(), "seed": self.options.seed, "bed": self._bed_name(), **record.git(),
             "ranks": ranks if self.code == "liggghts" else 1, "threads": ranks if self.code == "yade" else 1,
-            "state": "running", "reason": "", "stage": old.get("stage", "packing"), "steps": old.get("steps", {}),
+            "state": "running", "reason": "", "stage": old.get("stage", "packing"), "steps": {stage: int(row["step"]) for stage, row in states.items()},
             "clumps": old.get("clumps"), "deviations": [], "resumes": old.get("resumes", []),
             "timing": {"start": timing.get("start", record.now()), "end": None,
                        "steps_per_second": timing.get("steps_per_second", {}), "wall_s": timing.get("wall_s", {}),
@@ -333,7 +339,8 @@ class Run:
         def short(path: Path) -> Path:
             return path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
 
-        supervisor = Supervisor(self.folder, self.scenario, stage, self.stop, self.progress, heartbeat, self.normaliser, start)
+        supervisor = Supervisor(self.folder, self.scenario, stage, self.stop, self.progress, heartbeat,
+                                self.normaliser if stage == "cyclic" else None, start)
         supervisor.supervise(command(self.code, stage, short(self.folder), short(start.path) if start else None,
                                      self.options.ranks), threads=self.options.ranks if self.code == "yade" else 1)
         if stage != "cyclic":

@@ -12,8 +12,8 @@ from pathlib import Path
 from . import checkpoints, derived
 from .process import STOPPED, Engine
 from .progress import Meter, Progress, duration
-from .rawfiles import Row, Tail
-from .watch import Watch
+from .rawfiles import Tail
+from .watch import Diverged, Watch
 
 POLL_S = 0.2
 HEARTBEAT_S = 10.0
@@ -89,18 +89,27 @@ class Supervisor:
     # ------------------------------------------------------------------ output
 
     def look(self) -> None:
-        """Take in all output since the last look."""
-        for row in (rows := self._state.new_rows()):
-            self.watch.state(row)
-            self.state_step, self._last = int(row["step"]), row
-        if rows:
-            self._meter.add(self.state_step)
-        for row in self._load.new_rows():
-            self.watch.load(row)
-            self.row_step = int(row["step"])
+        """Take in all output since the last look. What came before a divergence is still finished and certified."""
+        diverged = None
+        try:
+            for row in (rows := self._state.new_rows()):
+                self.watch.state(row)
+                self.state_step, self._last = int(row["step"]), row
+            if rows:
+                self._meter.add(self.state_step)
+        except Diverged as error:
+            diverged = error
+        try:
+            for row in self._load.new_rows():
+                self.watch.load(row)
+                self.row_step = int(row["step"])
+        except Diverged as error:
+            diverged = diverged or error
         if self.stage == "cyclic":
             self._finish_cycles()
             self._certify()
+        if diverged:
+            raise diverged
 
     def _has_output_to(self, step: int) -> bool:
         return min(self.row_step or 0, self.state_step or 0) >= step

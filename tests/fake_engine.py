@@ -1,7 +1,7 @@
 """Stands in for an engine where the driver alone is tested: obeys the same rules, computes a chaotic map instead of a bed.
 
 usage: fake_engine.py STAGE RUN_FOLDER [CHECKPOINT]
-A file `behave` in the run's folder makes it misbehave: one word, see below.
+A file `behave` in the run's folder makes it misbehave; it holds one of the words that are looked for below.
 """
 
 import json
@@ -24,8 +24,9 @@ scenario = Scenario.from_json((run / "scenario.json").read_text())
 grid, blocks = derived.time_grid(scenario), scenario["output.blocks_per_cycle"]
 behave = (run / "behave").read_text().strip() if (run / "behave").exists() else ""
 stop = []
+BLOCK_S = 0.5 if behave == "deaf" else 0.02
 for number in (signal.SIGTERM, signal.SIGINT):
-    signal.signal(number, lambda *_: stop.append(1))
+    signal.signal(number, signal.SIG_IGN if behave == "deaf" else lambda *_: stop.append(1))
 
 
 def write_aside(path: Path, text: str) -> None:
@@ -44,8 +45,10 @@ def append(name: str, columns, *values) -> None:
 
 
 def state_row(step: int, x: float) -> None:
-    overlap = 0.3 if behave == "overlap" and stage == "cyclic" and step > grid.steps_per_cycle else 0.01 * x
-    append("state.csv", tables.RAW_STATE, stage, step, step * grid.step_s, 1e-8 * x, 1e-4, overlap, 1e-6, 4, 2, "nan", 0)
+    late = stage == "cyclic" and step > 2 * grid.steps_per_cycle
+    overlap = 0.3 if behave == "overlap" and late else 0.01 * x
+    energy = "nan" if behave == "nan" and late else 1e-8 * x
+    append("state.csv", tables.RAW_STATE, stage, step, step * grid.step_s, energy, 1e-4, overlap, 1e-6, 4, 2, "nan", 0)
 
 
 def load_row(step: int, x: float) -> None:
@@ -74,7 +77,7 @@ def save(name: str, cycle: int, block: int, x: float) -> None:
 
 def advance(x: float) -> float:
     """One block; the logistic map forgets nothing and forgives nothing."""
-    time.sleep(0.01)
+    time.sleep(BLOCK_S)
     for _ in range(10):
         x = 3.99 * x * (1 - x)
     return x
@@ -82,6 +85,8 @@ def advance(x: float) -> float:
 
 if behave == "error":
     sys.exit("ERROR: packing: not at rest after 1 s")
+if behave == "nothing":
+    sys.exit(0)
 if behave == "crash":
     os.kill(os.getpid(), signal.SIGSEGV)
 
@@ -109,7 +114,8 @@ while cycle < scenario["loading.cycles"]:
     start = cycle * grid.steps_per_cycle
     while block < blocks:
         for row in range(1, grid.steps_per_block // grid.steps_per_row + 1):
-            load_row(start + block * grid.steps_per_block + row * grid.steps_per_row, x)
+            if not (behave == "gap" and cycle == 1 and block == 3):
+                load_row(start + block * grid.steps_per_block + row * grid.steps_per_row, x)
         x = advance(x)
         block += 1
         state_row(start + block * grid.steps_per_block, x)

@@ -1,0 +1,117 @@
+"""Starts the driver as a user would, with the real engines or with the fake one."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from analysis import checkpoints, record
+
+ROOT = Path(__file__).resolve().parent.parent
+FAKE = (sys.executable, str(ROOT / "tests" / "fake_driver.py"))
+REAL = (sys.executable, "-m", "analysis", "run")
+NORMALISED = ("cycles.csv", "history.csv", "microstructure.csv", "bed_before.csv", "bed_after.csv")
+
+
+def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:
+    """Start the driver; its output is kept in pipes as text."""
+    return subprocess.Popen([*driver, *map(str, arguments)], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            **options)
+
+
+def drive(driver: tuple[str, ...], *arguments, **options) -> subprocess.CompletedProcess:
+    """Run the driver to its end."""
+    process = start(driver, *arguments, **options)
+    out, err = process.communicate(timeout=500)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+
+def wait_until(condition: Callable[[], bool], complaint: str, seconds: float = 60) -> None:
+    """Wait until `condition` holds, and fail with `complaint` if it does not."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, complaint
+        time.sleep(0.01)
+
+
+def wait_for(path: Path, process: subprocess.Popen, seconds: float = 60) -> None:
+    """Wait until a file appears while `process` runs."""
+    wait_until(lambda: path.exists() or process.poll() is not None, f"{path.name} did not appear", seconds)
+    assert path.exists(), process.communicate()
+
+
+def kill_until_done(driver: tuple[str, ...], arguments: list, folder: Path, moments: random.Random, longest_s: float) -> int:
+    """Start a run again and again, killing the driver (SIGKILL) at most `longest_s` after new output; return the number of kills."""
+    state = folder / "raw" / "state.csv"
+
+    def size() -> int:
+        return state.stat().st_size if state.exists() else 0
+
+    for kills in range(30):
+        process, before = start(driver, *arguments), size()
+        wait_until(lambda: process.poll() is not None or size() > before, "the engine writes nothing", seconds=120)
+        try:
+            _, err = process.communicate(timeout=moments.uniform(0.0, longest_s))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=5)
+        else:
+            assert process.returncode == 0, err
+            return kills
+    raise AssertionError(f"not finished after {kills + 1} kills")
+
+
+def run_folder(results: Path, scenario: str, code: str, profile: str = "demo") -> Path:
+    """Folder of a run with the default seed."""
+    return results / profile / scenario / code
+
+
+def results_of(folder: Path) -> dict[str, bytes]:
+    """The normalised files, and run.json without what may differ between equal runs of the same code."""
+    free = ("timing", "resumes", "command", "git_commit", "git_dirty")
+    return {name: (folder / name).read_bytes() for name in NORMALISED} | {
+        key: value for key, value in record.read(folder).items() if key not in free}
+
+
+def steps(path: Path, stage: str = "cyclic") -> list[int]:
+    """The column `step` of a raw file, of one stage."""
+    header, *lines = path.read_text().splitlines()
+    rows = [dict(zip(header.split(","), line.split(","))) for line in lines]
+    return [int(row["step"]) for row in rows if row.get("stage", stage) == stage]
+
+
+def damage(path: Path) -> None:
+    """Flip one byte in the middle of a file."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+
+
+def latest(folder: Path) -> checkpoints.Checkpoint:
+    """The latest checkpoint with a checksum."""
+    return [c for c in checkpoints.listed(folder / "checkpoints") if c.is_certified()][-1]
+
+
+def engines_of(folder: Path) -> list[int]:
+    """Processes that have the run's folder on their command line and are not the driver."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = entry.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if any(word.endswith(os.fsencode(folder)) for word in words):
+            found.append(int(entry.parent.name))
+    return found
+
+
+def copy_run(source: Path, target: Path) -> Path:
+    """Copy a run's folder, e.g. to damage it."""
+    return shutil.copytree(source, target)

@@ -1,0 +1,277 @@
+"""The driver alone, with an engine that computes nothing worth the time: resume, refuse, stop, fail."""
+
+import json
+import random
+import signal
+import subprocess
+
+import pytest
+from driver import (FAKE, ROOT, copy_run, damage, drive, engines_of, kill_until_done, latest, results_of, run_folder, start,
+                    steps, wait_for, wait_until)
+
+from analysis import derived, record
+from analysis.engines import BED_HEADER
+from analysis.scenario import load_scenario
+
+CYCLES = 4
+LINEAR = ("linear-mu0.8", "--code", "yade", "--cycles", CYCLES)
+GRID = derived.time_grid(load_scenario("linear-mu0.8", "demo"))
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Folder of a run that nobody disturbed."""
+    results = tmp_path_factory.mktemp("undisturbed")
+    done = drive(FAKE, *LINEAR, "--results", results)
+    assert done.returncode == 0, done.stderr
+    return run_folder(results, "linear-mu0.8", "yade")
+
+
+@pytest.fixture
+def finished(undisturbed, tmp_path):
+    """A copy of the finished run, to be tampered with: (results, folder)."""
+    return tmp_path, copy_run(undisturbed, run_folder(tmp_path, "linear-mu0.8", "yade"))
+
+
+def assert_no_gap(folder, cycles=CYCLES):
+    end = cycles * GRID.steps_per_cycle
+    assert steps(folder / "raw" / "cyclic.csv") == list(range(0, end + 1, GRID.steps_per_row))
+    assert steps(folder / "raw" / "state.csv") == list(range(GRID.steps_per_block, end + 1, GRID.steps_per_block))
+
+
+def test_a_run_ends_with_all_rows_and_says_so(undisturbed):
+    body = record.read(undisturbed)
+    assert (body["state"], body["stage"], body["clumps"], body["resumes"]) == ("finished", "cyclic", 2, [])
+    assert body["steps"]["cyclic"] == CYCLES * GRID.steps_per_cycle
+    assert str(ROOT) not in json.dumps(body)
+    assert_no_gap(undisturbed)
+
+
+def test_a_finished_run_is_left_alone(finished):
+    results, folder = finished
+    before = (folder / "run.json").read_bytes()
+    done = drive(FAKE, *LINEAR, "--results", results)
+    assert done.returncode == 0 and "finished already: 4 cycles" in done.stdout
+    assert (folder / "run.json").read_bytes() == before
+
+
+def test_the_same_command_gives_the_same_files(undisturbed, tmp_path):
+    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
+    assert results_of(run_folder(tmp_path, "linear-mu0.8", "yade")) == results_of(undisturbed)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_killed_at_random_moments_it_gives_the_same_files(undisturbed, tmp_path, seed):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    kills = kill_until_done(FAKE, [*LINEAR, "--results", tmp_path], folder, random.Random(seed), longest_s=1.0)
+    assert kills > 0 and results_of(folder) == results_of(undisturbed)
+    assert_no_gap(folder)
+
+
+def test_the_engine_dies_with_a_killed_driver(tmp_path):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    process = start(FAKE, *LINEAR, "--results", tmp_path)
+    wait_for(folder / "raw" / "cyclic.csv", process)
+    assert engines_of(folder)
+    process.kill()
+    process.communicate()
+    wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=5)
+    table = drive((FAKE[0], "-m", "analysis"), "status", "--results", tmp_path).stdout
+    assert record.read(folder)["state"] == "running" and "interrupted  killed; the same command goes on" in table
+
+
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_stop_waits_for_the_checkpoint_and_goes_on_from_it(tmp_path, number, code):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    process = start(FAKE, *LINEAR, "--results", tmp_path)
+    wait_for(folder / "raw" / "bed_cycle_000001.csv", process)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == code and "to go on: make run SCENARIO=linear-mu0.8 CODE=yade" in err
+    assert record.read(folder)["state"] == "interrupted" and record.read(folder)["reason"] == f"stopped by {number.name}"
+    stopped_at = latest(folder)
+    assert stopped_at.step(GRID) == steps(folder / "raw" / "cyclic.csv")[-1]
+    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
+    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
+    assert_no_gap(folder)
+
+
+def test_a_second_interrupt_kills_an_engine_that_does_not_stop(tmp_path):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    folder.mkdir(parents=True)
+    (folder / "behave").write_text("deaf")
+    process = start(FAKE, *LINEAR, "--results", tmp_path)
+    wait_for(folder / "raw" / "preload.csv", process)
+    process.send_signal(signal.SIGINT)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.communicate(timeout=1.5)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=10)
+    assert process.returncode == 130 and record.read(folder)["state"] == "interrupted" and not engines_of(folder)
+
+
+def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(undisturbed, finished):
+    results, folder = finished
+    bad = latest(folder)
+    damage(bad.path)
+    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()       # not finished after all
+    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
+    damage(latest(folder).path)
+    bad.delete()
+    before = latest(folder)
+    damage(before.path)
+    done = drive(FAKE, *LINEAR, "--results", results)
+    assert done.returncode == 0 and f"checkpoints/{before.path.name} is damaged" in done.stdout
+    assert results_of(folder) == results_of(undisturbed)
+    assert_no_gap(folder)
+
+
+def test_with_every_checkpoint_damaged_preload_starts_over(undisturbed, finished):
+    results, folder = finished
+    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()
+    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
+    for path in (folder / "checkpoints").glob("*.yade.gz"):
+        damage(path)
+    done = drive(FAKE, *LINEAR, "--results", results)
+    assert done.returncode == 0 and done.stdout.count("is damaged") == 2 and "preload done" in done.stdout
+    assert results_of(folder) == results_of(undisturbed)
+
+
+def test_a_checkpoint_without_its_checksum_does_not_count(finished):
+    results, folder = finished
+    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()
+    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
+    (folder / "checkpoints" / "cyclic_000003.yade.gz.json").unlink()
+    assert drive(FAKE, *LINEAR, "--results", results).returncode == 0
+    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": 0, "block": 0}]
+
+
+def test_more_cycles_extend_a_finished_run(finished, tmp_path):
+    results, folder = finished
+    done = drive(FAKE, *LINEAR[:-1], CYCLES + 2, "--results", results)
+    assert done.returncode == 0 and "goes on from cycle 4 of 6" in done.stdout
+    other = tmp_path / "at once"
+    assert drive(FAKE, *LINEAR[:-1], CYCLES + 2, "--results", other).returncode == 0
+    at_once = run_folder(other, "linear-mu0.8", "yade")
+    assert (folder / "cycles.csv").read_bytes() == (at_once / "cycles.csv").read_bytes()
+    assert_no_gap(folder, CYCLES + 2)
+    assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout      # fewer are there as well
+
+
+def variant(tmp_path, old, new):
+    """A scenario file that differs in one text."""
+    text = (ROOT / "scenarios.toml").read_text()
+    assert old in text
+    path = tmp_path / "scenarios.toml"
+    path.write_text(text.replace(old, new))
+    return path
+
+
+def test_a_changed_scenario_is_refused_with_the_difference(finished, tmp_path):
+    results, folder = finished
+    before = results_of(folder)
+    path = variant(tmp_path, "relax_steps          = { value = 3000", "relax_steps          = { value = 3001")
+    done = drive(FAKE, *LINEAR, "--results", results, "--scenarios", path)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "packing.relax_steps: 3000 -> 3001" in done.stderr and "make distclean-run" in done.stderr
+    assert results_of(folder) == before
+
+
+def test_a_changed_limit_of_the_watch_is_no_change_of_the_bed(finished, tmp_path):
+    results, _ = finished
+    path = variant(tmp_path, "overlap_ratio  = { value = 0.2,", "overlap_ratio  = { value = 0.3,")
+    assert drive(FAKE, *LINEAR, "--results", results, "--scenarios", path).returncode == 0
+
+
+def test_another_bed_is_refused(finished, undisturbed):
+    results, _ = finished
+    done = drive(FAKE, *LINEAR, "--results", results, "--bed", undisturbed / "raw" / "bed_packed.csv")
+    assert done.returncode == 1 and "bed: own -> bed_packed.csv" in done.stderr
+
+
+HEADER = ",".join(BED_HEADER)
+
+
+@pytest.mark.parametrize("text, said", [
+    (None, "No such file"),
+    ("", "is not a bed file"),
+    (HEADER + "\n", "a row per clump"),
+    ("x,y,z\n1,2,3\n", "is not a bed file"),
+    (HEADER + "\n1,0.1,0.05,0.1,1,0,0,soft\n", "all numbers"),
+    (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is not a pose"),
+    (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "unit quaternion"),
+    (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n2,0.1,0.59,0.1,1,0,0,0\n", "line 3 lies outside the box"),
+    (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2 lies outside the box"),
+])
+def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
+    path = tmp_path / "bed.csv"
+    if text is not None:
+        path.write_text(text)
+    done = drive(FAKE, *LINEAR, "--results", tmp_path / "results", "--bed", path)
+    assert done.returncode == 1 and said in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+def test_a_bed_of_other_clumps_is_refused(undisturbed, tmp_path):
+    path = variant(tmp_path, "aspect      = { value = 1.875", "aspect      = { value = 1.5")
+    done = drive(FAKE, *LINEAR, "--results", tmp_path, "--scenarios", path, "--bed", undisturbed / "raw" / "bed_packed.csv")
+    assert done.returncode == 1 and "clump.aspect: 1.875 -> 1.5" in done.stderr
+
+
+def test_two_runs_that_need_one_bed_pack_it_once(tmp_path):
+    both = [start(FAKE, name, "--code", "yade", "--cycles", 1, "--results", tmp_path)
+            for name in ("nonlinear-en1.0", "nonlinear-md1-en0.6", "linear-mu0.8")]
+    said = [process.communicate(timeout=60) for process in both]
+    assert [process.returncode for process in both] == [0, 0, 0], said
+    assert "".join(out for out, _ in said).count("packing done") == 1
+    beds = {(run_folder(tmp_path, name, "yade") / "raw" / "bed_packed.csv").read_bytes()
+            for name in ("linear-mu0.8", "nonlinear-en1.0", "nonlinear-md1-en0.6")}
+    assert len(beds) == 1
+    body = record.read(run_folder(tmp_path, "nonlinear-en1.0", "yade"))
+    assert body["bed"] == "../../linear-mu0.8/yade/raw/bed_packed.csv"
+
+
+def test_a_run_in_progress_is_refused_to_others(tmp_path):
+    first = start(FAKE, *LINEAR, "--results", tmp_path)
+    wait_for(run_folder(tmp_path, "linear-mu0.8", "yade") / "raw" / "preload.csv", first)
+    second = drive(FAKE, *LINEAR, "--results", tmp_path)
+    assert second.returncode == 1 and f"in progress already, process {first.pid} on {record.host()}" in second.stderr
+    first.communicate(timeout=30)
+    assert first.returncode == 0
+
+
+@pytest.mark.parametrize("behaviour, reason", [
+    ("error", "ERROR: packing: not at rest after 1 s"),
+    ("crash", "the engine was killed by SIGSEGV; read packing.log"),
+    ("nothing", "yade ended without raw/bed_packed.csv"),
+    ("overlap", "diverged: overlap of 0.3 sphere radii"),
+    ("gap", "diverged: raw/cyclic.csv: row of step"),
+    ("nan", "diverged: kinetic_energy_J is nan at step"),
+])
+def test_a_failure_has_a_reason_an_exit_code_and_keeps_what_is_good(tmp_path, behaviour, reason):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    folder.mkdir(parents=True)
+    (folder / "behave").write_text(behaviour)
+    done = drive(FAKE, *LINEAR, "--results", tmp_path)
+    assert done.returncode == 1 and reason in done.stderr and len(done.stderr.splitlines()) == 1
+    body = record.read(folder)
+    assert body["state"] == "failed" and reason in body["reason"] and not engines_of(folder)
+    if behaviour in ("overlap", "nan"):
+        assert latest(folder).cycle == 2 and latest(folder).is_good()
+    (folder / "behave").write_text("well")
+    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0       # mended, it goes on
+    assert_no_gap(folder)
+
+
+def test_a_missing_engine_is_one_line(tmp_path):
+    done = drive((FAKE[0], "-m", "analysis", "run"), *LINEAR, "--results", tmp_path, env={"PATH": str(tmp_path)})
+    assert (done.returncode, done.stderr) == (1, "yade: not installed; run `make setup`\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_until_pauses_after_a_stage_and_goes_on(tmp_path, undisturbed):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    for stage, product in (("packing", "raw/bed_packed.csv"), ("preload", "checkpoints/cyclic_000000.yade.gz")):
+        assert drive(FAKE, *LINEAR, "--results", tmp_path, "--until", stage).returncode == 0
+        assert (folder / product).exists() and record.read(folder)["state"] == "interrupted"
+    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
+    assert results_of(folder) == results_of(undisturbed)
