@@ -13,9 +13,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from . import beds, derived
 from .engines import CODES, ROOT, command, versions, write_inputs
 from .lattice import lattice_bed
-from .microstructure import bed_statistics
+from .microstructure import contact_measures
+from .porosity import MeasurementSpheres
 from .scenario import Scenario, load_scenario
 
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Table 1
@@ -41,6 +43,16 @@ def pack(scenario: Scenario, code: str, run_dir: Path, seed: int) -> Path:
     if done.returncode or not bed.exists():
         raise SystemExit(f"calibrate: packing failed; read log/packing.log in {run_dir.name}")
     return bed
+
+
+def bed_statistics(path: Path, scenario: Scenario) -> dict[str, float]:
+    """Clumps, porosity of the three spheres and their mean, contacts and overlaps of a packed bed."""
+    clump, bed = derived.clump(scenario), beds.read_bed(path)
+    centres = beds.sphere_centres(bed, clump.half_distance_m)
+    porosities, _ = MeasurementSpheres(scenario).measure(centres)
+    return {"clumps": len(bed), **{f"porosity_{n}": value for n, value in enumerate(porosities, start=1)},
+            "porosity_mean": sum(porosities) / len(porosities),
+            **contact_measures(centres, clump.radius_m, derived.apparatus(scenario))}
 
 
 def main(argv: list[str] | None = None) -> int:
