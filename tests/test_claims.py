@@ -1,0 +1,382 @@
+"""The paper's claims: data and code agree, and made-up runs with known answers get the verdicts they deserve."""
+
+import math
+import tomllib
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis import claims, derived, load_runs
+from analysis.claims import FAILS, HOLDS, OPEN, ClaimError, evaluate_claims, load_claims, to_frame
+from analysis.reference import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
+from analysis.scenario import load_scenario, scenario_names
+from analysis.uncertainty import Estimate, pooled, propagate
+from synthetic import write_run
+
+CLAIMS_FILE = REFERENCE_FOLDER / "claims.toml"
+DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])      # plates 1 (bottom) to 5
+SHAPE = np.array([0.5, 0.8, 1.0, 0.9, 0.6])
+LINE, START = (2e-3, 0, 1, 4e-6), (1e-3, 6e-3, 15, 2e-6)   # a, b, c, d of a + b (1 - exp(-N/c)) + d N
+
+
+@cache
+def resolved(name):
+    return load_scenario(name)
+
+
+def make_run(scenario, seed=1, cycles=1000, code="liggghts", profile="full", law=START, lateral=5e-3, first=None,
+             start=(0.345, 0.350, 0.360), end=(0.335, 0.345, 0.370), speed=350.0, host="one", deviations=(),
+             scatter=0.01):
+    """A run with settlement a + b (1 - exp(-N/c)) + d N and lateral displacement `first` (m) growing to `lateral`."""
+    rng = np.random.default_rng([seed, sum(map(ord, scenario))])
+    factor = 1 + scatter * rng.standard_normal()
+    n = np.arange(1, cycles + 1)
+    a, b, c, d = law
+    s = factor * (a + b * (1 - np.exp(-n / c)) + d * n) * (1 + 0.002 * rng.standard_normal(cycles))
+    first = lateral if first is None else first
+    growth = first + (lateral - first) * np.minimum(np.log(n) / np.log(100), 1)
+    table = pd.DataFrame({"cycle": n, "settlement_m": s})
+    for k in range(5):
+        table[f"lateral_{k + 1}_m"] = factor * growth * SHAPE[k] / SHAPE.mean()
+    offset = 0.001 * scatter / 0.01 * rng.standard_normal()
+    for k in range(3):
+        table[f"porosity_{k + 1}"] = start[k] + offset + (end[k] - start[k]) * n / cycles
+    before = pd.DataFrame({"cycle": [0], **{f"porosity_{k + 1}": [start[k] + offset] for k in range(3)}})
+    info = {"state": "finished", "steps_per_second": {"cyclic": speed}, "host": host, "ranks": 1, "threads": 1,
+            "deviations": list(deviations)}
+    name = code if seed == 1 else f"{code}-seed{seed}"
+    return SimpleNamespace(id=f"{profile}/{scenario}/{name}", code=code, profile=profile, scenario_name=scenario,
+                           seed=seed, info=info, cycles=table, microstructure=before, scenario=resolved(scenario))
+
+
+def seeds(scenario, count=3, **options):
+    return [make_run(scenario, seed, **options) for seed in range(1, count + 1)]
+
+
+def experiment(law=(3e-3, 6e-3, 15, 2e-6), lateral=(5e-3, 5e-3, 5e-3), error=1e-4):
+    """References with the experiment's settlement, and profiles after 1, 100 and 1000 cycles with the given means."""
+    n = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 600, 700, 800, 900, 1000.0])
+    a, b, c, d = law
+    common = {"source": "indraratna2013", "figure": "made up", "kind": "experiment", "scenario": "", "sphere": math.nan,
+              "unit": "m", "error": error, "status": "digitised", "licence": "none"}
+    tables = [pd.DataFrame({"cycle": n, "value": a + b * (1 - np.exp(-n / c)) + d * n, "depth_m": math.nan}).assign(
+        **common, curve="experiment", quantity="settlement", sidecar="indraratna2013/settlement.toml")]
+    for cycle, mean in zip((1, 100, 1000), lateral):
+        profile = pd.DataFrame({"depth_m": DEPTH, "value": mean * SHAPE / SHAPE.mean(), "cycle": float(cycle)})
+        tables.append(profile.assign(
+            **common, curve=f"experiment after {cycle}", quantity="lateral_displacement",
+            sidecar="indraratna2013/lateral_displacement.toml"))
+    return References(pd.concat(tables, ignore_index=True)[list(COLUMNS)], pd.DataFrame(columns=PENDING_COLUMNS))
+
+
+NOTHING = References(pd.DataFrame(columns=COLUMNS), pd.DataFrame(columns=PENDING_COLUMNS))
+
+
+def judge(number, runs, references=NOTHING, code="liggghts"):
+    found, rules = load_claims()
+    return claims.judge(found[number - 1], code, runs, references, rules)
+
+
+def nonlinear(mode, restitution, count=2, **options):
+    name = "nonlinear-en1.0" if restitution == 1 else f"nonlinear-md{mode}-en{restitution}"
+    return seeds(name, count, **options)
+
+
+# ------------------------------------------------------------------ data and code agree
+
+def test_there_are_the_papers_eleven_claims_in_order():
+    found, _ = load_claims()
+    assert [c.number for c in found] == list(range(1, 12))
+    assert len({c.id for c in found}) == 11
+
+
+def test_every_claim_names_known_scenarios_and_reference_curves():
+    known = {f"{p.parent.name}/{p.name}" for p in sidecars()}
+    for claim in load_claims()[0]:
+        assert set(claim.runs) <= set(scenario_names()) and set(claim.reference) <= known
+        assert bool(claim.reference) == ("experiment" in claim.compared + claim.uncertainty)
+
+
+def test_every_criterion_words_its_thresholds():
+    raw = {c["id"]: c for c in tomllib.loads(CLAIMS_FILE.read_text())["claim"]}
+    for claim in load_claims()[0]:
+        assert "{" not in claim.criterion + claim.quantity
+        for value in claim.thresholds.values():
+            assert f"{value:g}" in claim.criterion + claim.quantity
+        assert set(raw[claim.id]["thresholds"]) == set(claim.thresholds)
+
+
+def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
+    class Watched(dict):
+        def __init__(self, *args):
+            super().__init__(*args)
+            self.asked = set()
+
+        def __getitem__(self, key):
+            self.asked.add(key)
+            return super().__getitem__(key)
+
+    everything = [r for name in scenario_names() for r in seeds(name, 2, cycles=1000)]
+    found, rules = load_claims()
+    for claim in found:
+        watched = Watched(claim.thresholds)
+        evidence = claims.Evidence(everything, experiment(), rules, claim)
+        checks = list(claims.CHECKS[claim.id](evidence, watched))
+        assert watched.asked == set(claim.thresholds), claim.id
+        assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in checks), claim.id
+        assert {r for r in evidence._used} == {r.id for r in everything if r.scenario_name in claim.runs}, claim.id
+
+
+@pytest.mark.parametrize("old, new, words", [
+    ('id          = "late_slope"', 'id          = "early_slope"', "claim early_slope: no function of that name"),
+    ("share = 0.2 }", "share = 0.2, extra = 1 }", "threshold extra is not worded"),
+    ("cycles = 100, share = 0.2 }", "cycles = 100 }", "names 'share'; give it in thresholds"),
+    ("[stated]", "[said]", "it has [rules], [stated] and [[claim]]"),
+    ('uncertainty = "stated"', 'doubt = "stated"', "each claim has number, id"),
+])
+def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
+    text = CLAIMS_FILE.read_text()
+    assert old in text
+    path = tmp_path / "claims.toml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ClaimError) as caught:
+        load_claims(path)
+    assert str(caught.value).startswith("claims.toml: ") and words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+# ------------------------------------------------------------------ what keeps a claim open
+
+def test_without_runs_every_claim_is_open_and_says_what_is_missing():
+    verdicts = evaluate_claims([], NOTHING)
+    assert len(verdicts) == 22 and {v.verdict for v in verdicts} == {OPEN}
+    for v in verdicts:
+        assert any("a full-size run of" in m for m in v.missing)
+        assert bool(v.claim.reference) == any("(pending)" in m for m in v.missing)
+
+
+def test_a_slice_of_the_bed_decides_nothing():
+    runs = seeds("nonlinear-en1.0", profile="demo") + seeds("linear-mu0.8", profile="demo", law=LINE)
+    assert {v.verdict for v in evaluate_claims(runs, experiment())} == {OPEN}
+
+
+def test_one_seed_decides_nothing_but_computing_time_whose_uncertainty_is_stated():
+    runs = [make_run(name, law=LINE if name == "linear-mu0.8" else START) for name in scenario_names()]
+    verdicts = [v for v in evaluate_claims(runs, experiment()) if v.code == "liggghts"]
+    decided = {v.claim.number for v in verdicts if v.verdict != OPEN}
+    assert decided == {11}
+    assert all("a second seed of any scenario, for the uncertainty" in v.missing
+               for v in verdicts if v.claim.number != 11)
+
+
+def test_a_failed_run_does_not_count():
+    runs = seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE)
+    assert judge(1, runs).verdict == HOLDS
+    for run in runs:
+        run.info["state"] = "failed"
+    assert judge(1, runs).verdict == OPEN
+
+
+def test_runs_that_are_too_short_are_named_with_their_cycles():
+    runs = seeds("nonlinear-en1.0", cycles=60) + seeds("linear-mu0.8", law=LINE)
+    verdict = judge(1, runs)
+    assert verdict.verdict == OPEN and "nonlinear-en1.0: 60 of 1000 cycles" in verdict.missing
+
+
+def test_the_longer_of_two_runs_with_one_seed_counts():
+    runs = seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE) + [make_run("nonlinear-en1.0", cycles=3)]
+    assert judge(1, runs).verdict == HOLDS
+
+
+def test_the_codes_are_judged_apart():
+    runs = seeds("nonlinear-en1.0", code="yade") + seeds("linear-mu0.8", law=LINE, code="yade")
+    assert judge(1, runs, code="yade").verdict == HOLDS
+    assert judge(1, runs, code="liggghts").verdict == OPEN
+
+
+def test_deviations_and_changed_parameters_of_the_runs_are_told():
+    runs = seeds("nonlinear-en1.0", deviations=["restitution-equivalent law"]) + seeds("linear-mu0.8", law=LINE)
+    changed = load_scenario("linear-mu0.8", cycles=7)
+    changed.parameters["clump.density"] = load_scenario("linear-mu0.7").parameters["clump.ball_radius"]
+    runs[-1].scenario = changed
+    notes = judge(1, runs).notes
+    assert "nonlinear-en1.0: restitution-equivalent law" in notes
+    assert any("clump.density: 2600.0 -> 0.0185" in n and "loading.cycles" not in n for n in notes)
+
+
+# ------------------------------------------------------------------ each claim holds, and does not, where it should
+
+def _porosity(end):
+    return seeds("nonlinear-en1.0", end=end) + seeds("linear-mu0.8", end=(0.344, 0.349, 0.362))
+
+
+def _modes(first):
+    return [run for mode, value in ((0, first), (1, 3e-3), (2, 3e-3)) for en in (0.3, 0.6, 0.9)
+            for run in nonlinear(mode, en, first=value)]
+
+
+def _trend(reverse):
+    runs = nonlinear(1, 1.0, law=(2e-3, 5e-3, 15, 2e-6), lateral=5e-3)
+    for mode in (0, 1, 2):
+        for en in (0.0, 0.3, 0.6, 0.9) if mode == 1 else (0.3, 0.6, 0.9):
+            drop = 1 - en if mode != 1 or en >= 0.6 or not reverse else en - 0.2
+            runs += nonlinear(mode, en, law=(2e-3, 5e-3 + 8e-3 * drop, 15, 2e-6), lateral=5e-3 + 8e-3 * drop)
+    return runs
+
+
+def _others(shift):
+    runs = nonlinear(1, 1.0, law=(3e-3, 6e-3, 15, 2e-6))
+    for mode in (0, 1, 2):
+        for en in (0.0, 0.3, 0.6, 0.9) if mode == 1 else (0.3, 0.6, 0.9):
+            runs += nonlinear(mode, en, law=(3e-3 + shift, 6e-3, 15, 2e-6), lateral=5e-3 + shift)
+    return runs
+
+
+# number: runs and experiment for which it holds, and for which it does not
+CASES = {
+    1: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE), NOTHING),
+        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=START), NOTHING)),
+    2: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=(1e-3, 0, 1, 6e-6)), experiment()),
+        (seeds("nonlinear-en1.0", law=(1e-3, 6e-3, 15, 9e-6)) + seeds("linear-mu0.8", law=(1e-3, 0, 1, 2.5e-6)),
+         experiment())),
+    3: ((seeds("nonlinear-en1.0"), experiment()),
+        (seeds("nonlinear-en1.0", law=(3e-3, 2e-3, 15, 8e-6)), experiment())),
+    4: ((seeds("linear-mu0.8", first=1e-3), experiment()),
+        (seeds("linear-mu0.8", first=5e-3), experiment())),
+    5: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", first=1e-3, lateral=5.5e-3), experiment()),
+        (seeds("nonlinear-en1.0", first=1e-3) + seeds("linear-mu0.8"), experiment())),
+    6: ((_modes(6e-3), NOTHING), (_modes(3e-3), NOTHING)),
+    7: ((_trend(True), NOTHING), (_trend(False), NOTHING)),
+    8: ((_others(3e-3), experiment()), (_others(0)[2:] + nonlinear(1, 1.0, law=(8e-3, 6e-3, 15, 2e-6)), experiment())),
+    9: ((_porosity((0.33, 0.345, 0.375)), NOTHING), (_porosity((0.37, 0.35, 0.33)), NOTHING)),
+    10: ((seeds("nonlinear-en1.0", start=(0.31, 0.32, 0.33)) + seeds("linear-mu0.8"), NOTHING),
+         (seeds("nonlinear-en1.0", start=(0.36, 0.36, 0.37)) + seeds("linear-mu0.8"), NOTHING)),
+    11: ((seeds("nonlinear-en1.0", 1) + seeds("linear-mu0.8", 1), NOTHING),
+         (seeds("nonlinear-en1.0", 1, speed=50) + seeds("linear-mu0.8", 1), NOTHING)),
+}
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_a_claim_holds_for_runs_made_so(number):
+    verdict = judge(number, *CASES[number][0])
+    assert verdict.verdict == HOLDS, verdict
+    assert verdict.missing == () and verdict.runs and verdict.uncertainty != "none yet"
+    assert all(c.numbers for c in verdict.checks)
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_a_claim_does_not_hold_for_runs_made_so(number):
+    assert judge(number, *CASES[number][1]).verdict == FAILS
+
+
+@pytest.mark.parametrize("number", [2, 3, 4, 5, 8])
+def test_a_claim_about_the_experiment_stays_open_while_its_curve_is_pending(number):
+    verdict = judge(number, CASES[number][0][0], NOTHING)
+    assert verdict.verdict == OPEN
+    assert verdict.missing and all("(pending)" in m for m in verdict.missing)
+
+
+def test_a_difference_within_the_scatter_of_the_seeds_stays_open():
+    runs = seeds("nonlinear-en1.0", start=(0.340, 0.345, 0.352), scatter=0.1) + seeds("linear-mu0.8", scatter=0.1)
+    verdict = judge(10, runs)
+    assert verdict.verdict == OPEN and verdict.missing == ("more seeds or cycles: within the uncertainty",)
+
+
+def test_a_large_error_of_the_reference_keeps_a_claim_open():
+    runs, _ = CASES[2][0]
+    assert judge(2, runs, experiment(error=5e-3)).verdict == OPEN
+
+
+def test_times_from_different_machines_are_not_compared():
+    runs = seeds("nonlinear-en1.0", 1, host="fast", speed=9000) + seeds("linear-mu0.8", 1, host="slow")
+    verdict = judge(11, runs)
+    assert verdict.verdict == OPEN and verdict.missing == ("both models on one machine, same ranks and threads",)
+
+
+def test_verdicts_become_a_table_with_a_row_per_check():
+    verdicts = evaluate_claims(CASES[11][0][0], NOTHING)
+    table = to_frame(verdicts)
+    assert len(table) == sum(len(v.checks) for v in verdicts)
+    row = table[(table["number"] == 11) & (table["code"] == "liggghts")].iloc[0]
+    assert (row["verdict"], row["check_verdict"], row["unit"]) == (HOLDS, HOLDS, "s")
+
+
+def test_runs_of_the_reader_are_judged(tmp_path):
+    for scenario, law in (("nonlinear-en1.0", ("exponential", {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6})),
+                          ("linear-mu0.8", ("line", {"a": 1e-3, "b": 2e-5}))):
+        for seed in (1, 2):
+            write_run(tmp_path, "demo", scenario, "liggghts", 120, seed, law=law, noise=0.01, contacts=False,
+                      info={"profile": "full"})
+    verdict = judge(1, load_runs(tmp_path, quiet=True))
+    assert verdict.verdict == HOLDS and "after cycle 120" in verdict.checks[0].numbers
+
+
+# ------------------------------------------------------------------ quantities and statistics
+
+def test_the_profile_error_of_a_profile_with_itself_is_zero_and_of_twice_it_about_one():
+    curve = experiment().curve("lateral_displacement", cycle=100)
+    same = make_run("linear-mu0.8", scatter=0)
+    twice = make_run("linear-mu0.8", lateral=10e-3, scatter=0)
+    assert claims.profile_error(same, curve, 100) == pytest.approx(0, abs=1e-9)
+    assert claims.profile_error(twice, curve, 100) == pytest.approx(np.sqrt(np.mean(SHAPE**2)) / SHAPE.mean())
+
+
+def test_the_late_slope_is_that_of_the_line():
+    run = make_run("linear-mu0.8", scatter=0)
+    assert claims.slope(run.cycles["cycle"], 1e-3 + 4e-6 * run.cycles["cycle"], 500, 1000) == pytest.approx(4e-6)
+    assert math.isnan(claims.slope([1, 2, 600], [0, 0, 0], 500, 1000))
+
+
+def test_computing_time_is_steps_per_cycle_over_steps_per_second():
+    run = make_run("nonlinear-en1.0", speed=400.0)
+    assert claims.seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 400
+
+
+def test_scatter_is_pooled_over_scenarios_and_shared_by_those_with_one_seed():
+    found = pooled({"a": [9.0, 11.0], "b": [90.0, 110.0], "c": [50.0]}, relative=True)
+    deviation = math.sqrt(0.04 / 2)
+    assert found["c"] == Estimate(50.0, pytest.approx(50 * deviation), 2, 1)
+    assert found["b"].standard_error == pytest.approx(100 * deviation / math.sqrt(2))
+    assert math.isnan(pooled({"a": [1.0], "b": [2.0]}, relative=True)["a"].standard_error)
+
+
+def test_the_interval_of_a_difference_covers_the_truth_as_often_as_it_says():
+    rng = np.random.default_rng(1)
+    hits = 0
+    for _ in range(400):
+        e = pooled({"a": rng.normal(10, 1, 3), "b": rng.normal(7, 1, 3)}, relative=False)
+        value, half_width = propagate(lambda a, b: a - b, [e["a"], e["b"]])
+        hits += abs(value - 3) < half_width
+    assert 0.92 < hits / 400 < 0.98
+
+
+def test_an_absolute_value_at_its_kink_is_as_uncertain_as_its_argument():
+    value, half_width = propagate(abs, [Estimate(0.0, 1.0)])
+    assert (value, half_width) == (0.0, pytest.approx(1.96, abs=1e-3))
+
+
+# ------------------------------------------------------------------ eq. 16
+
+def test_all_damping_modes_are_the_same_undamped_law_at_restitution_one():
+    table = claims.restitution_table()
+    at_one = table[table["nominal_restitution"] == 1]
+    assert list(at_one["damping_factor"]) == [0, 0, 0] and list(at_one["effective_restitution"]) == [1, 1, 1]
+
+
+@pytest.mark.parametrize("mode, expected", [
+    (0, [math.nan, 0.3042, 0.5773, 0.8764, 1]),
+    (1, [0.6630, 0.6842, 0.7561, 0.9132, 1]),
+    (2, [0.1787, 0.3267, 0.5769, 0.8959, 1]),
+])
+def test_effective_restitution_is_as_published(mode, expected):
+    table = claims.restitution_table()
+    found = table.loc[table["damping_mode"] == mode, "effective_restitution"].to_numpy()
+    assert found == pytest.approx(expected, abs=5e-5, nan_ok=True)
+
+
+def test_the_consequences_of_equation_16_name_their_numbers():
+    text = " ".join(claims.equation_16_consequences())
+    assert "0.663 for M_d = 1 and 0.179 for M_d = 2" in text
