@@ -114,20 +114,20 @@ def canvas(name: str, alt: str, *, width: float = PANEL_WIDTH, height: float = P
 
 
 def end_labels(c: Canvas, size: float = 8.0) -> None:
-    """Write the collected labels (y, text, colour) right of the axes, moved apart vertically where they would touch."""
+    """Write the collected labels (x, y, text, colour) right of the axes, moved apart vertically where they would touch."""
     if not c.labels:
         return
     axes, height = c.axes, c.axes.get_window_extent().height
-    ends = axes.transData.transform([(axes.get_xlim()[1], y) for y, _, _ in c.labels])
-    wanted = axes.transAxes.inverted().transform(ends)[:, 1] * height
+    ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in c.labels]))
+    wanted = ends[:, 1] * height
     order = np.argsort(wanted, kind="stable")
-    step = size * 1.22 * c.figure.dpi / 72
+    step = size * 1.25 * c.figure.dpi / 72
     placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
     for position, n in zip(placed, order):
-        y, text, colour = c.labels[n]
-        axes.annotate(text, xy=(1, wanted[n] / height), xytext=(1.045, position / height), xycoords="axes fraction",
-                      textcoords="axes fraction", fontsize=size, color=colour, va="center", ha="left", annotation_clip=False,
-                      arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0,
+        _, _, text, colour = c.labels[n]
+        axes.annotate(text, xy=ends[n], xytext=(1.05, position / height), xycoords="axes fraction", textcoords="axes fraction",
+                      fontsize=size, color=colour, va="center", ha="left", annotation_clip=False,
+                      arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6, "alpha": 0.6, "shrinkA": 1, "shrinkB": 3,
                                   "relpos": (0, 0.5)})
 
 
