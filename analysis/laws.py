@@ -15,6 +15,9 @@ import numpy as np
 
 HERTZ_DURATION = 4 * math.sqrt(math.pi) * math.gamma(0.4) / (5 * math.gamma(0.9))
 """Duration of an elastic Hertz impact in units of peak overlap over approach speed, 2.9433."""
+LIMIT_FREE_FACTOR = 4.0
+"""Below this D of eq. 16 the dashpot's limit is not met in a free impact: there
+limit / coefficient at peak overlap = sqrt(2.4 / (D - ln(1 + D)))."""
 
 
 # ------------------------------------------------------------------ linear model, eq. 1-7
@@ -132,7 +135,7 @@ def effective_restitution(factor: float) -> float:
     """Restitution e' that comes out of a free impact with the hysteretic law, from its factor D.
 
     Root of D (1 + e') = ln((1 + D) / (1 - D e')); independent of mass, stiffness and speed. Found by bisection, error
-    below 1e-14. Holds for D < 4.01, where the dashpot stays below its limit all through the impact.
+    below 1e-14. Holds up to D = LIMIT_FREE_FACTOR, see there.
     """
     if factor == 0:
         return 1.0

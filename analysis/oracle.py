@@ -6,6 +6,7 @@ open, and the rigid-body motion are independent of both engines. Everything is i
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, field
 
@@ -102,6 +103,7 @@ class Impact:
     force_N: np.ndarray = field(repr=False)
 
 
+@functools.lru_cache(1000)
 def head_on(law, speed: float, points: int = 400) -> Impact:
     """Integrate mass * overlap'' = -force from touch to separation. Relative error about 1e-8."""
     length = (law.mass * speed**2 / (law.elastic(1e-3) * 1e-3)) ** 0.4 * 1e-3
@@ -119,41 +121,46 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
     end = found.t_events[0][-1]
     grid = np.linspace(0, end, points)
     states = found.sol(grid)
-    force = np.array([law.normal(u * length, w * speed, speed) for u, w in states.T])
+
+    def force_at(u, w):
+        return law.normal(max(u * length, 1e-30), w * speed, speed)      # just in contact at the very start
+
+    force = np.array([force_at(u, w) for u, w in states.T])
 
     def peak(values, function) -> float:
         k = int(np.argmax(values))
-        fine = np.linspace(grid[max(k - 1, 0)], grid[min(k + 1, points - 1)], 2001)
-        return max(function(*found.sol(t)) for t in fine)
+        fine = np.linspace(grid[max(k - 1, 0)], grid[min(k + 1, points - 1)], 401)
+        return float(max(function(u, w) for u, w in found.sol(fine).T))
 
-    return Impact(peak(states[0], lambda u, w: u * length),
-                  peak(force, lambda u, w: law.normal(u * length, w * speed, speed)),
+    return Impact(peak(states[0], lambda u, w: u * length), peak(force, force_at),
                   end * scale, -float(found.sol(end)[1]), grid * scale, states[0] * length, force)
 
 
 # ------------------------------------------------------------------ forces along a prescribed path
 
-def forces_along(law, closing: np.ndarray, sliding: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+def forces_along(law, overlap, closing_speed, sliding, *, closing_scaled=True, slip_by_total=False):
     """Normal and shear force (N) of one contact after each step of a prescribed motion, eq. 1-16 in their order.
 
-    `closing` holds the overlap before the first and after each step (negative: apart; shape n + 1), `sliding` the shear
-    displacement in each step (shape n, along one line). `step` is the time step. The approach speed is the closing
-    speed in the step in which the contact forms. Both forces are zero while apart, and the history is lost.
+    `overlap` (m) before the first and after each step, negative while apart, shape (n + 1,); `closing_speed` (m/s) and
+    shear displacement `sliding` (m, along one line) in each step, shape (n,). The approach speed is the closing speed
+    in the step in which the contact forms. Both forces are zero while apart, and the history is lost.
+    `closing_scaled=False` leaves eq. 3 out, `slip_by_total=True` counts the dashpot in eq. 4: not the paper's law, but
+    what other codes do.
     """
     normal, shear = np.zeros(len(sliding)), np.zeros(len(sliding))
     force, approach = 0.0, 0.0
-    for n, slid in enumerate(sliding):
-        old, overlap = closing[n], closing[n + 1]
-        speed = (overlap - old) / step
-        if overlap <= 0:
+    for n, (old, now, speed, slid) in enumerate(zip(overlap[:-1], overlap[1:], closing_speed, sliding, strict=True)):
+        if now <= 0:
             force = 0.0
             continue
         if old <= 0:
             force, approach = 0.0, speed
-            slid = slid * laws.closing_share(overlap, old)
-        trial = laws.trial_shear_force([force], law.shear_slope(overlap), [slid])
-        force = float(laws.slip(trial, laws.shear_strength(law.friction, law.elastic(overlap)))[0])
-        normal[n], shear[n] = law.normal(overlap, speed, approach), force
+            if closing_scaled:
+                slid = slid * laws.closing_share(now, old)
+        normal[n] = law.normal(now, speed, approach)
+        trial = laws.trial_shear_force([force], law.shear_slope(now), [slid])
+        limiting = max(normal[n], 0.0) if slip_by_total else law.elastic(now)
+        shear[n] = force = float(laws.slip(trial, laws.shear_strength(law.friction, limiting))[0])
     return normal, shear
 
 

@@ -123,7 +123,7 @@ def _run_yade(probes: list[Probe], folder: Path) -> dict[str, Trajectory]:
         entries.append(entry)
     listing = folder / "probes.json"
     listing.write_text(json.dumps(entries))
-    _call(["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing), str(folder)], folder)
+    call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing), str(folder)], folder)
     return {probe.name: _from_yade(probe, np.load(folder / f"{probe.name}.npy")) for probe in probes}
 
 
@@ -143,7 +143,7 @@ def _run_liggghts(probe: Probe, folder: Path) -> dict[str, Trajectory]:
             f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
             for n, clump in enumerate(probe.clumps, start=1)))
     deck = "liggghts/verify_clumps.in" if probe.clumps else "liggghts/verify_balls.in"
-    _call([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
+    call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
     spheres = len(probe.balls) + 2 * len(probe.clumps)
     rows = np.fromfile(folder / "rows.bin").reshape(-1, 2 + 15 * spheres)
     values = rows[:, 2:].reshape(len(rows), spheres, 5, 3)
@@ -157,12 +157,12 @@ def _list(values) -> str:
 
 def _liggghts_case(probe: Probe) -> str:
     """The case as LIGGGHTS variables; those of balls and path segments are lists that the deck walks through."""
-    values = {"step": repr(probe.step), "steps": probe.steps, "every": probe.every, "wall": ("", "linear", "hysteretic").index(probe.wall),
-              "gravity": repr(probe.gravity)}
+    values = {"step": repr(float(probe.step)), "steps": probe.steps, "every": probe.every, "wall": ("", "linear", "hysteretic").index(probe.wall),
+              "gravity": repr(float(probe.gravity))}
     if probe.balls:
         balls = probe.balls
         free = [not ball.held and not (probe.path and ball is balls[0]) for ball in balls]
-        values["reach"] = repr(1.01 * max(abs(c) + 2 * ball.radius for ball in balls for c in ball.position))
+        values["reach"] = repr(float(1.01 * max(abs(c) + 2 * ball.radius for ball in balls for c in ball.position)))
         values["any_free"], values["driven"] = int(any(free)), int(bool(probe.path))
         values["ball"] = " ".join(str(n) for n in range(1, len(balls) + 1))
         values["ball_place"] = " ".join(f'"{_list(ball.position)}"' for ball in balls)
@@ -178,7 +178,7 @@ def _liggghts_case(probe: Probe) -> str:
     return "".join(f"variable {name} index {value}\n" for name, value in values.items())
 
 
-def _call(command: list[str], folder: Path) -> None:
+def call_engine(command: list[str], folder: Path) -> None:
     """Run an engine in the repository's root; ProbeError with its own error line if it fails."""
     log = folder / "engine.log"
     with open(log, "w") as out:

@@ -117,9 +117,9 @@ def test_dashpot_limit():
 
 
 def test_limit_stays_clear_of_the_paper_cases():
-    """No impact of the paper reaches the limit (D < 4.01), so it changes no restitution; the first beyond does."""
+    """No impact of the paper reaches the limit (D < 4), so it changes no restitution; the first beyond does."""
     for mode, nominal, _ in TABLE:
-        assert laws.damping_factor(mode, nominal) < 4.01 or (mode, nominal) == (2, 0.0)     # which the paper leaves out
+        assert laws.damping_factor(mode, nominal) < laws.LIMIT_FREE_FACTOR or (mode, nominal) == (2, 0.0)     # which the paper leaves out
     for factor, shift in ((3.9, 0.0), (5.54, 0.0042)):
         law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
         assert oracle.head_on(law, 0.5).restitution == pytest.approx(laws.effective_restitution(factor) * (1 + shift), rel=1e-4)
@@ -178,7 +178,7 @@ def test_path_follows_the_differential_equation():
 
     expected = oracle.shear_along(law, overlap, sliding, times)
     middles = (times[1:] + times[:-1]) / 2
-    _, shear = oracle.forces_along(law, overlap(times), sliding(middles) * np.diff(times), times[1])
+    _, shear = oracle.forces_along(law, overlap(times), np.diff(overlap(times)) / times[1], sliding(middles) * times[1])
     assert np.abs(shear - expected[1:]).max() < 2e-3 * np.abs(expected).max()
     slipping = np.isclose(np.abs(expected[1:]), 0.4 * np.array([law.elastic(u) for u in overlap(times[1:])]), rtol=1e-6)
     assert 0.05 < slipping.mean() < 0.95        # both branches are exercised
@@ -187,7 +187,7 @@ def test_path_follows_the_differential_equation():
 def test_path_forgets_over_a_separation():
     law = oracle.Linear(1e8, 1e8, friction=10.0)
     closing = np.array([-1, 1, 2, -1, -1, 1]) * 1e-6
-    normal, shear = oracle.forces_along(law, closing, np.full(5, -1e-6), 1e-6)
+    normal, shear = oracle.forces_along(law, closing, np.diff(closing) / 1e-6, np.full(5, -1e-6))
     assert normal == pytest.approx([100, 200, 0, 0, 100])
     assert shear == pytest.approx([50, 150, 0, 0, 50])
 

@@ -69,29 +69,27 @@ def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list
 
 
 class Recorder:
-    """Keeps a row every `every` steps and moves the first ball along its path."""
+    """Keeps a row each time it is called and moves the first ball along its path."""
 
     def __init__(self, probe: dict, spheres: list[list[int]], driven: int | None):
-        self.every, self.spheres, self.rows, self.n = probe["every"], spheres, [], 0
+        self.spheres, self.rows = spheres, []
         self.driven = O.bodies[driven].state if driven is not None else None
         self.velocities = [Vector3(*velocity) for velocity, steps in probe["path"] for _ in range(steps)]
         __main__.verify_step = self.step        # where PyRunner looks names up
 
     def step(self) -> None:
         """Stands between the contact loop and the integrator."""
-        if self.n % self.every == 0:
-            row = [O.interactions.countReal()]
-            for ids in self.spheres:
-                state = O.bodies[ids[0]].state
-                force, torque = Vector3.Zero, Vector3.Zero
-                for i in ids:
-                    force += O.forces.f(i)
-                    torque += O.forces.t(i)
-                row += [*state.pos, *state.vel, *state.angVel, *force, *torque]
-            self.rows.append(row)
+        row = [O.interactions.countReal()]
+        for ids in self.spheres:
+            state = O.bodies[ids[0]].state
+            force, torque = Vector3.Zero, Vector3.Zero
+            for i in ids:
+                force += O.forces.f(i)
+                torque += O.forces.t(i)
+            row += [*state.pos, *state.vel, *state.angVel, *force, *torque]
+        self.rows.append(row)
         if self.velocities:
-            self.driven.vel = self.velocities[min(self.n, len(self.velocities) - 1)]
-        self.n += 1
+            self.driven.vel = self.velocities[min(O.iter, len(self.velocities) - 1)]
 
 
 def run(probe: dict, folder: Path) -> None:
@@ -112,7 +110,7 @@ def run(probe: dict, folder: Path) -> None:
     O.engines = [
         ForceResetter(),
         *law.engines(),
-        PyRunner(command="verify_step()", iterPeriod=1, firstIterRun=0),
+        PyRunner(command="verify_step()", iterPeriod=probe["every"], initRun=True),
         NewtonIntegrator(damping=0.0, gravity=(0, 0, -probe["gravity"])),
     ]
     O.run(probe["steps"] + 1, True)

@@ -1,7 +1,8 @@
 #include "fix_probe.h"
 
-#include <cstdlib>
+#include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "atom.h"
 #include "bed_state.h"
@@ -41,12 +42,12 @@ void FixProbe::write_row() {
     row[0] += 1.0;
     row[1] += contact.dashpot_at_limit;
   }
-  for (int tag = 1; tag <= atom->tag_max(); tag++) {
-    const int i = atom->map(tag);
-    if (i < 0) continue;
+  std::vector<int> order(atom->nlocal);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [this](int a, int b) { return atom->tag[a] < atom->tag[b]; });
+  for (int i : order)
     for (double *const *values : {atom->x, atom->v, atom->omega, atom->f, atom->torque})
       row.insert(row.end(), values[i], values[i] + 3);
-  }
   if (fwrite(row.data(), sizeof(double), row.size(), file_) != row.size())
     error->one(FLERR, (path_ + ": cannot be written; free disk space").c_str());
 }
