@@ -69,8 +69,10 @@ class Stage:
         if not row.kinetic_energy_J < float("inf"):
             raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the run "
                              "diverged; a smaller time.step is the usual remedy")
+        # The rows of the cyclic stage start with step 0, so the last of them is of the step before the count.
+        step, time = (self.step - 1, (self.step - 1) * self.grid.step_s) if self.name == "cyclic" else (self.step, O.time)
         with open(self.raw("state.csv"), "a", encoding="ascii") as file:
-            file.write(row.line(self.name, self.step, O.time))
+            file.write(row.line(self.name, step, time))
         return row
 
     def advance_or_stop(self, steps: int) -> StateRow:
