@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import signal
 import time
 from pathlib import Path
@@ -168,7 +169,7 @@ class Supervisor:
             self.stop.signal = self.stop.signal or signal.SIGTERM
             raise Interrupted
         output = engine.last_output()
-        errors = [line.strip() for line in output.splitlines() if line.lstrip().startswith("ERROR")]
+        errors = re.findall(r"ERROR.*", output)         # not always at the start of a line: LIGGGHTS' table may stand before it
         if os.statvfs(self.folder).f_bavail == 0 or any(os.strerror(number) in output for number in DISK_FULL):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
