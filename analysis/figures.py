@@ -19,13 +19,16 @@ from . import derived, laws, style, tables, view
 from .readers import Run, Runs
 from .reference import References
 from .scenario import Scenario
-from .style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, PAPER, SOFT, Canvas, Panel
+from .style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, PAPER, SOFT, Canvas, Panel
 
 MM, KPA = 1e3, 1e-3
 PROFILE_CYCLES = (1, 100, 1000)
 """Cycles after which the paper shows lateral displacement over depth."""
 SPHERE_NAMES = ("rail seat", "middle", "shoulder")
 MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
+
+
+SOURCE_NAMES = {"indraratna2013": "experiment of Indraratna 2013", "chen2015": "simulation of Chen 2015", "talebiahooie2021": "the paper's own simulation"}
 
 
 @dataclass
@@ -52,6 +55,9 @@ class Curve:
     colour: str
     look: dict
     label: str
+    """In full, for hovering."""
+    tag: str
+    """Short, beside the curve: the code is a sign."""
     family: str
 
     @property
@@ -112,7 +118,7 @@ class Gallery:
         family, level = self._levels.get(scenario, ("other", 0.0))
         return style.shade(family, level), family
 
-    def curves(self, runs: Iterable[Run], with_code: bool = True) -> list[Curve]:
+    def curves(self, runs: Iterable[Run]) -> list[Curve]:
         """Runs with at least one cycle, gathered by scenario and code."""
         groups: dict[tuple[str, str], list[Run]] = {}
         for run in runs:
@@ -122,12 +128,9 @@ class Gallery:
         found = []
         for (scenario, code), members in groups.items():
             colour, family = self.look(scenario)
-            label = short_name(scenario)
-            if with_code and len(codes) > 1:
-                label += f" {CODE_NAMES.get(code, code)}"
-            if len(members) > 1:
-                label += f" ({len(members)} seeds)"
-            found.append(Curve(scenario, code, members, colour, CODE_STYLES.get(code, OTHER_STYLE), label, family))
+            sign = f" {CODE_SIGNS.get(code, '◆')}" if len(codes) > 1 else ""
+            label = f"{short_name(scenario)} {CODE_NAMES.get(code, code)}" + (f", {len(members)} seeds" if len(members) > 1 else "")
+            found.append(Curve(scenario, code, members, colour, CODE_STYLES.get(code, OTHER_STYLE), label, short_name(scenario) + sign, family))
         rank = list(self._levels)
         return sorted(found, key=lambda c: (rank.index(c.scenario) if c.scenario in rank else len(rank), c.code))
 
@@ -186,22 +189,22 @@ def thin(cycles: np.ndarray, most: int = 140) -> np.ndarray:
 # ------------------------------------------------------------------ drawing helpers
 
 def draw(c: Canvas, curve: Curve, table: pd.DataFrame, factor: float, label: bool = True, hover: bool = True,
-         colour: str | None = None, name: str | None = None, **look) -> None:
+         colour: str | None = None, name: str | None = None, tag: str | None = None, **look) -> None:
     """One curve (index = abscissa; median, low, high in SI) with its band, markers, end label and hover values."""
     if table.empty:
         return
-    colour, name = colour or curve.colour, name or curve.label
+    colour, name, tag = colour or curve.colour, name or curve.label, tag or curve.tag
     x, y = table.index.to_numpy(float), factor * table["median"].to_numpy()
     kept = thin(x)
     x, y = x[kept], y[kept]
     if (table["high"] > table["low"]).any():
         c.axes.fill_between(x, factor * table["low"].to_numpy()[kept], factor * table["high"].to_numpy()[kept], color=colour,
                             alpha=0.18, linewidth=0)
-    options = curve.look | {"markersize": 3.8, "markevery": _marks(x), "markeredgewidth": 1.0,
+    options = curve.look | {"markersize": 3.8, "markevery": _marks(x), "markeredgewidth": 1.0, "linewidth": 1.5 if len(x) < 30 else 1.2,
                             "markerfacecolor": PAPER if curve.code == "yade" else colour} | look
     c.axes.plot(x, y, color=colour, **options)
     if label:
-        c.labels.append((x[-1], y[-1], name, colour))
+        c.labels.append((x[-1], y[-1], tag, colour))
     if hover:
         c.series.append({"label": name, "colour": css(colour), "x": [float(v) for v in x],
                          "y": [None if v != v else float(f"{v:.5g}") for v in y]})
@@ -271,7 +274,7 @@ def _draw_references(c: Canvas, rows: pd.DataFrame, coordinate: str, factor: flo
             c.axes.plot(at, value, **look)
             c.axes.fill_between(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
             c.labels.append((at[-1], value[-1], name, colour))
-            c.series.append({"label": name, "colour": css(colour), "x": [float(v) for v in at],
+            c.series.append({"label": name, "colour": css(colour), "x": [float(f"{v:.6g}") for v in at],
                              "y": [float(f"{v:.5g}") for v in value]})
 
 
@@ -286,14 +289,14 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
     """Reference curves of a quantity that are not digitised yet: those of no scenario, and of the given scenarios."""
     rows = references.pending
     rows = rows[(rows["quantity"] == quantity) & (rows["scenario"].isin(["", *scenarios]))]
-    return [f"{source} ({'experiment' if kind == 'experiment' else 'simulation'}, {len(part)} curve{'s' if len(part) > 1 else ''})"
+    return [f"{SOURCE_NAMES.get(source, source)} ({len(part)} curve{'s' if len(part) > 1 else ''})"
             for (source, kind), part in rows.groupby(["source", "kind"], sort=True)]
 
 
 def _pending_mark(c: Canvas, pending: Sequence[str]) -> None:
     if pending:
-        c.axes.text(0.985, 0.975, "reference curves pending", transform=c.axes.transAxes, fontsize=7.5, color=SOFT, ha="right",
-                    va="top", style="italic")
+        c.axes.text(1, 1.02, "reference curves pending", transform=c.axes.transAxes, fontsize=7.5, color=SOFT, ha="right", va="bottom",
+                    style="italic")
 
 
 def _reference_rows(references: References, quantity: str, scenarios: Iterable[str], **wanted) -> pd.DataFrame:
@@ -314,7 +317,7 @@ def settlement(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: 
     rows = _reference_rows(g.references, "settlement", scenarios) if references else None
     drawn = []
     for log in ((True,) if log_only else (False, True)):
-        c = style.canvas(f"{name}-{'log' if log else 'linear'}", f"{title}, {'logarithmic' if log else 'linear'} cycle axis", right=1.45)
+        c = style.canvas(f"{name}-{'log' if log else 'linear'}", f"{title}, {'logarithmic' if log else 'linear'} cycle axis")
         for curve in curves:
             table = curve.column("settlement_m")
             draw(c, curve, table if log else _with_start(table), MM)
@@ -341,7 +344,8 @@ def lateral(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str
     pending = pending_names(g.references, "lateral_displacement", scenarios) if references else []
     drawn = []
     for cycle in cycles:
-        c = style.canvas(f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}", right=1.45)
+        c = style.canvas(f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}")
+        c.leaders = False
         frames = []
         for curve in curves:
             table = lateral_profile(curve, cycle)
@@ -353,7 +357,7 @@ def lateral(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str
                 c.axes.fill_betweenx(depth, MM * table["low"], MM * table["high"], color=colour, alpha=0.18, linewidth=0)
             c.axes.plot(MM * table["median"], depth, color=colour, markersize=4.2, markeredgewidth=1.0,
                         markerfacecolor=PAPER if curve.code == "yade" else colour, **curve.look)
-            c.labels.append((MM * table["median"].iloc[-1], depth[-1], curve.label, colour))
+            c.labels.append((0.0, depth[-1], curve.tag, colour))
             frames.append(table.rename(columns={k: f"lateral_{k}_m" for k in table}).rename_axis("depth_m").reset_index()
                           .assign(scenario=curve.scenario, code=curve.code, seeds=len(curve.runs), cycle=cycle))
         if not frames:
@@ -411,15 +415,15 @@ def porosity(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: st
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
         family = members[0].family
-        c = style.canvas(f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}", right=1.45)
+        c = style.canvas(f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}")
         for curve in members:
             for k, sphere in enumerate(SPHERE_NAMES, start=1):
                 colour = style.shade(family, k - 2.0)
                 table = curve.column(f"porosity_{k}", "microstructure")
                 if table.empty:
                     table = curve.column(f"porosity_{k}")
-                text = f"{k} {sphere}" + (f" {CODE_NAMES.get(curve.code, curve.code)}" if len(members) > 1 else "")
-                draw(c, curve, table, 1.0, colour=colour, name=text)
+                draw(c, curve, table, 1.0, colour=colour, name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
+                     tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""))
         rows = g.references.curve("porosity", scenario=scenario)
         if len(rows):
             _draw_references(c, rows, "cycle", 1.0)
@@ -437,7 +441,7 @@ def tracking(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: st
     curves = g.curves(runs)
     if not curves:
         return None
-    error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress", right=1.45)
+    error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
     for curve in curves:
         top = curve.setup["loading.stress_max"] if curve.setup else 460e3
         draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top)
@@ -450,7 +454,7 @@ def tracking(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: st
     _cycle_axis(error, _last(curves), False)
     error.table = _rows(curves, ["cycle", "tracking_rms_Pa"])
 
-    extremes = style.canvas(f"{name}-extremes", "Largest and smallest sleeper stress per cycle minus their targets", right=1.45)
+    extremes = style.canvas(f"{name}-extremes", "Largest and smallest sleeper stress per cycle minus their targets")
     for curve in curves:
         if curve.setup is None:
             continue
@@ -473,7 +477,7 @@ def stress_signal(g: Gallery, runs: Sequence[Run], name: str, title: str, captio
         return None
     panels = []
     for code in sorted({curve.code for curve in curves}):
-        c = style.canvas(f"{name}-{code}", f"Vertical stress on the sleeper, target and measured, {CODE_NAMES.get(code, code)}", right=1.25)
+        c = style.canvas(f"{name}-{code}", f"Vertical stress on the sleeper, target and measured, {CODE_NAMES.get(code, code)}", right=1.2)
         time = np.linspace(0, cycles / setup["loading.frequency"], 400)
         low, high = setup["loading.stress_min"], setup["loading.stress_max"]
         target = (high + low) / 2 - (high - low) / 2 * np.cos(2 * np.pi * setup["loading.frequency"] * time)
@@ -491,7 +495,7 @@ def stress_signal(g: Gallery, runs: Sequence[Run], name: str, title: str, captio
         c.axes.set_ylim(0, 1.12 * KPA * high)
         c.table = pd.concat(frames, ignore_index=True)
         panels.append(c)
-    return g.finish(name, title, caption, panels, [curve.runs[0] for curve in curves], curves)
+    return g.finish(name, title, caption, panels, [curve.runs[0] for curve in curves])
 
 
 def micro(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str,
@@ -500,7 +504,7 @@ def micro(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str,
     curves = [curve for curve in g.curves(runs) if len(curve.runs[0].microstructure)]
     drawn = []
     for column, label, factor, unit in quantities:
-        c = style.canvas(f"{name}-{column}", label, right=1.45, height=2.7)
+        c = style.canvas(f"{name}-{column}", label, height=2.7)
         for curve in curves:
             draw(c, curve, curve.column(column, "microstructure"), factor)
         if not c.series:
@@ -519,7 +523,7 @@ def loops(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) 
     drawn = []
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
-        c = style.canvas(f"{name}-{scenario}", f"Stress against settlement, {short_name(scenario)}", right=1.25)
+        c = style.canvas(f"{name}-{scenario}", f"Stress against settlement, {short_name(scenario)}", right=1.2)
         frames = []
         for curve in members:
             history = curve.runs[0].history
@@ -531,8 +535,9 @@ def loops(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) 
                 c.axes.plot(MM * part["settlement_m"], KPA * part["sleeper_stress_Pa"], color=curve.colour,
                             linestyle=curve.look["linestyle"], linewidth=1.3, alpha=0.5 if cycle == 1 and last > 1 else 1)
                 end = part.loc[part["sleeper_stress_Pa"].idxmax()]
-                c.axes.annotate(f"{cycle}", (MM * end["settlement_m"], KPA * end["sleeper_stress_Pa"]), (0, 4), textcoords="offset points",
-                                fontsize=7.5, color=curve.colour, ha="center")
+                if curve is members[0]:
+                    c.axes.annotate(f"cycle {cycle}", (MM * end["settlement_m"], KPA * end["sleeper_stress_Pa"]), (0, 4),
+                                    textcoords="offset points", fontsize=7.5, color=curve.colour, ha="center")
                 frames.append(part[["cycle", "settlement_m", "sleeper_stress_Pa"]].assign(run=curve.runs[0].id))
             if frames:
                 c.labels.append((MM * part["settlement_m"].iloc[-1], KPA * part["sleeper_stress_Pa"].iloc[-1],
@@ -562,10 +567,9 @@ def restitution(g: Gallery) -> Figure:
         out = np.array([laws.effective_restitution(float(v)) for v in d])
         factor.axes.plot(e, d, color=colour)
         effect.axes.plot(e, out, color=colour)
-        at = int(np.searchsorted(d[::-1], 3.0))
-        start = len(d) - min(at, len(d))
-        factor.labels.append((1.0, d[min(start + 2, len(d) - 1)], text, colour))
-        effect.labels.append((1.0, out[0], text, colour))
+        for c in (factor, effect):
+            c.labels.append((0.0, 0.0, text, colour))
+            c.leaders = False
         rows.append(pd.DataFrame({"damping_mode": mode, "nominal_restitution": e, "damping_factor": d, "effective_restitution": out}))
     factor.axes.set(xlabel="nominal restitution eₙ", ylabel="damping factor D", xlim=(0, 1), ylim=(0, 6))
     effect.axes.plot([0, 1], [0, 1], color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)))
@@ -604,7 +608,7 @@ def measurement_spheres(g: Gallery, setup: Scenario) -> Figure:
 
 # ------------------------------------------------------------------ beds
 
-def bed_pictures(g: Gallery, runs: Sequence[Run], name: str, label: str, title: str, caption: str, *, oblique: bool = True,
+def bed_pictures(g: Gallery, runs: Sequence[Run], name: str, label: str, title: str, caption: str, *,
                  chains: bool = False) -> Figure | None:
     """The bed of each run as a picture, and its force chains where contacts were kept."""
     drawn, used = [], []
@@ -614,12 +618,11 @@ def bed_pictures(g: Gallery, runs: Sequence[Run], name: str, label: str, title: 
         except view.ViewError:
             continue
         key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
-        c = (view.chain_panel(scene, key) if chains
-             else view.bed_panel(scene, key, azimuth_deg=-28 if oblique else 0, elevation_deg=20 if oblique else 0))
+        heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}, {scene.title}"
+        c = (view.chain_panel(scene, key, heading) if chains
+             else view.bed_panel(scene, key, heading, azimuth_deg=-28, elevation_deg=20, pixels=1200))
         if c is None:
             continue
-        c.figure.text(0.005, 0.995, f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}, {scene.title}", fontsize=9.5,
-                      fontweight="bold", va="top", color=INK)
         drawn.append(c)
         used.append(run)
-    return g.finish(name, title, caption, drawn, used, layout="picture" if len(drawn) == 1 else "")
+    return g.finish(name, title, caption, drawn, used, layout="picture")

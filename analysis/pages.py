@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,11 @@ class Book:
     problems: list[str]
     results: str
 
+    @cached_property
+    def verdicts(self) -> list:
+        """The paper's claims, judged on the drawn runs."""
+        return claims.evaluate_claims(self.runs, self.references)
+
     def of(self, profile: str) -> Runs:
         """Drawn runs of a profile with at least one finished cycle."""
         return Runs(run for run in self.runs if run.profile == profile and len(run.cycles))
@@ -148,7 +154,7 @@ def speed(run: Run) -> float:
 
 def overview(book: Book) -> dict:
     """The first page."""
-    verdicts = claims.evaluate_claims(book.runs, book.references)
+    verdicts = book.verdicts
     return {"known": known(book, verdicts), "pending": pending(book, verdicts), "sections": [overview_section(book, p) for p in book.profiles],
             "runs_table": runs_table(book.runs), "results": book.results, "problems": book.problems}
 
@@ -204,6 +210,8 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
         where = {"full": "At full size", "demo": "On the demo slice"}.get(profile, f"At profile {profile}")
         lines.append(f"{where}: {plural(len(runs), 'run')} of {plural(len({r.scenario_name for r in runs}), 'scenario')} in {' and '.join(codes)}; "
                      f"the longest has {plural(last_cycle(longest), 'cycle')} ({name_of(longest)}).")
+        if profile != book.profiles[0]:
+            continue                            # the numbers of a smaller bed would only distract
         for scenario in dict.fromkeys(run.scenario_name for run in overview_runs(book, profile)[0]):
             parts = []
             members = [run for run in runs if run.scenario_name == scenario]
@@ -389,11 +397,10 @@ def restitution_table() -> Table:
 
 def claims_page(book: Book) -> dict:
     """Every claim with its verdict per code, the numbers, and what is missing."""
-    verdicts = claims.evaluate_claims(book.runs, book.references)
     grouped: dict[int, list] = {}
-    for v in verdicts:
+    for v in book.verdicts:
         grouped.setdefault(v.claim.number, []).append(v)
-    codes = list(dict.fromkeys(v.code for v in verdicts))
+    codes = list(dict.fromkeys(v.code for v in book.verdicts))
     summary = Table("Verdicts per code", [Column("claim"), *(Column(CODE_NAMES.get(code, code)) for code in codes)])
     entries = []
     for n, members in sorted(grouped.items()):
@@ -429,7 +436,7 @@ def comparison(book: Book) -> dict:
                  ("crib_heave_m", "heave of the cribs, mm", MM, "mm"), ("bulge_volume_m3", "shoulder bulge, cm³", 1e6, "cm³")])},
             {"heading": "Load and settlement within a cycle", "figure": figures.loops(
                 g, [run for run in overview_runs(book, profile)[0] if run.seed == 1], f"loops-{profile}", "Stress against settlement",
-                "First (paler) and last cycle, numbered. The area of a loop is the work lost in a cycle; its width at the top the resilient stroke.")},
+                "First (paler) and last cycle. The area of a loop is the work lost in the cycle; its extent along the settlement axis is the resilient stroke.")},
         ]
         sections.append({"title": title, "text": "", "parts": parts})
     return {"sections": sections}

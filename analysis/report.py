@@ -61,7 +61,8 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS) -> pages.Book:
     references = load_references()
     gallery = Gallery(out / "figures", stamp, runs, references, pages.known_scenarios())
     book = pages.Book(runs, left_out, references, gallery, verification, out / "verification", [*problems, *runs.problems], shown_path(results))
-    write_pages(book, out, stamp)
+    with style.settings():
+        write_pages(book, out, stamp)
     for path in (out / "figures").iterdir():
         if path.stem not in {panel.name for figure in gallery.figures for panel in figure.panels}:
             path.unlink()                       # of a figure that this report no longer has

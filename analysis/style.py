@@ -10,6 +10,7 @@ import base64
 import colorsys
 import io
 import re
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -31,6 +32,7 @@ PALETTE = {                     # light page, dark page
 """Hues that stay apart for red-green and blue-yellow blindness in their order of use; see tests/test_report.py."""
 CODE_STYLES = {"liggghts": {"linestyle": "-", "marker": "o"}, "yade": {"linestyle": (0, (5, 2)), "marker": "s"}}
 CODE_NAMES = {"liggghts": "LIGGGHTS", "yade": "YADE"}
+CODE_SIGNS = {"liggghts": "●", "yade": "□"}
 OTHER_STYLE = {"linestyle": (0, (1, 1.2)), "marker": "D"}
 
 PANEL_WIDTH, PANEL_HEIGHT = 4.7, 3.35
@@ -76,6 +78,11 @@ def colour_variables() -> dict[str, tuple[str, str]]:
                     if light != PALETTE[family][0]}
 
 
+def settings() -> AbstractContextManager:
+    """The context in which panels are drawn and saved."""
+    return matplotlib.rc_context(RC)
+
+
 @dataclass(frozen=True)
 class Panel:
     """One drawing: `svg` for a page, and its files `<name>.svg`, `.png`, `.csv` in the report's figures folder."""
@@ -99,17 +106,18 @@ class Canvas:
     hover_x: str = ""
     hover_unit: str = ""
     labels: list[tuple] = field(default_factory=list)
+    """(x, y, text, colour) of what is named beside the axes."""
+    leaders: bool = True
+    """Names stand at the height of their curves' ends; without, they are a list from the top, in their own order."""
 
 
 def canvas(name: str, alt: str, *, width: float = PANEL_WIDTH, height: float = PANEL_HEIGHT, left: float = 0.62,
-           right: float = 1.15, bottom: float = 0.50, top: float = 0.32) -> Canvas:
+           right: float = 1.25, bottom: float = 0.50, top: float = 0.32) -> Canvas:
     """An empty panel with margins in inches; a strip for the version stamp is added below."""
-    with matplotlib.rc_context(RC):
-        figure = Figure(figsize=(width, height + STAMP_HEIGHT))
-        FigureCanvasAgg(figure)
-        total = height + STAMP_HEIGHT
-        axes = figure.add_axes([left / width, (bottom + STAMP_HEIGHT) / total, (width - left - right) / width,
-                                (height - bottom - top) / total])
+    figure = Figure(figsize=(width, height + STAMP_HEIGHT))
+    FigureCanvasAgg(figure)
+    total = height + STAMP_HEIGHT
+    axes = figure.add_axes([left / width, (bottom + STAMP_HEIGHT) / total, (width - left - right) / width, (height - bottom - top) / total])
     return Canvas(name, alt, figure, axes)
 
 
@@ -118,10 +126,14 @@ def end_labels(c: Canvas, size: float = 8.0) -> None:
     if not c.labels:
         return
     axes, height = c.axes, c.axes.get_window_extent().height
+    step = size * 1.25 * c.figure.dpi / 72
+    if not c.leaders:
+        for n, (_, _, text, colour) in enumerate(c.labels):
+            axes.text(1.04, 1 - (n + 0.5) * step / height, text, transform=axes.transAxes, fontsize=size, color=colour, va="center")
+        return
     ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in c.labels]))
     wanted = ends[:, 1] * height
     order = np.argsort(wanted, kind="stable")
-    step = size * 1.25 * c.figure.dpi / 72
     placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
     for position, n in zip(placed, order):
         _, _, text, colour = c.labels[n]
@@ -157,8 +169,8 @@ def save(c: Canvas, folder: Path, stamp: str) -> Panel:
     c.figure.text(0.06 / width, 0.05 / height, stamp, fontsize=5.5, color=SOFT, va="bottom", ha="left", gid="stamp",
                   linespacing=1.25)
     hover = _hover(c, height)
-    with matplotlib.rc_context(RC | {"svg.hashsalt": c.name}):
-        c.figure.savefig(folder / f"{c.name}.png", dpi=170, facecolor="white", metadata={"Software": None})
+    with matplotlib.rc_context({"svg.hashsalt": c.name}):
+        c.figure.savefig(folder / f"{c.name}.png", dpi=160, facecolor="white", metadata={"Software": None})
         buffer = io.StringIO()
         FigureCanvasSVG(c.figure).print_svg(buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     text = buffer.getvalue()

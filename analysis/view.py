@@ -159,11 +159,13 @@ def picture(scene: Scene, *, azimuth_deg: float = 0.0, elevation_deg: float = 0.
     return image, view, top
 
 
-def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float) -> style.Canvas:
-    """An empty panel with the camera's window at true scale and `foot` inches below it."""
-    width = 6.6
+def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title: str) -> style.Canvas:
+    """An empty panel with the camera's window at true scale, `foot` inches below it and a line for the title above it."""
+    width = 6.0
     height = width * (view.high[1] - view.low[1]) / (view.high[0] - view.low[0])
-    c = style.canvas(name, alt, width=width, height=height + foot, left=0, right=0, bottom=foot, top=0)
+    head = 0.27 if title else 0.0
+    c = style.canvas(name, alt, width=width, height=height + foot + head, left=0, right=0, bottom=foot, top=head)
+    c.figure.text(0.005, 1 - 0.03 / (height + foot + head), title, fontsize=10, fontweight="bold", va="top", color=style.INK)
     c.axes.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]))
     c.axes.set_axis_off()
     return c
@@ -183,12 +185,12 @@ def _line(xs, ys):
     return Line2D(xs, ys, color=style.INK, linewidth=2, solid_capstyle="butt")
 
 
-def bed_panel(scene: Scene, name: str, *, azimuth_deg: float = 0.0, elevation_deg: float = 0.0) -> style.Canvas:
+def bed_panel(scene: Scene, name: str, title: str = "", *, azimuth_deg: float = 0.0, elevation_deg: float = 0.0, pixels: int = PICTURE_WIDTH) -> style.Canvas:
     """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
-    image, view, top = picture(scene, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    image, view, top = picture(scene, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width=pixels)
     foot = 0.5
     alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
-    c = _picture_canvas(name, alt, view, foot)
+    c = _picture_canvas(name, alt, view, foot, title)
     c.axes.imshow(image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto")
     _scale_bar(c, view, foot)
     if top > 0:
@@ -221,7 +223,7 @@ def chain_lines(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return lines[known], force[known]
 
 
-def chain_panel(scene: Scene, name: str) -> style.Canvas | None:
+def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None:
     """Force chains in a slab along the middle of the sleeper, over the pale bed; None where contacts were not kept."""
     lines, force = chain_lines(scene)
     half = 3 * scene.scenario["clump.ball_radius"]
@@ -232,7 +234,7 @@ def chain_panel(scene: Scene, name: str) -> style.Canvas | None:
     image, view, _ = picture(scene, pale=True, width=PICTURE_WIDTH // 2)
     image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
     foot = 0.5
-    c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot)
+    c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)
     c.axes.imshow(image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto")
     order = np.argsort(force, kind="stable")
     top = float(np.quantile(force, 0.995))
@@ -252,10 +254,15 @@ def chain_panel(scene: Scene, name: str) -> style.Canvas | None:
         line = _line([x, x + 0.05], [y, y])
         line.set(color=FORCE(portion), linewidth=0.25 + 6 * portion)
         c.figure.add_artist(line)
-        c.figure.text(x + 0.06, y, f"{portion * top:.2g} N", fontsize=8.5, va="center", color=style.INK)
+        c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=8.5, va="center", color=style.INK)
     c.table = pd.DataFrame({f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
                            | {"normal_force_N": force})
     return c
+
+
+def _round(value: float) -> str:
+    """Two significant digits without an exponent."""
+    return f"{float(f'{value:.2g}'):,.10g}"
 
 
 def _outline(block: derived.Block):
@@ -341,11 +348,12 @@ def main(argv: list[str]) -> int:
             continue
         folder.mkdir(exist_ok=True)
         stamp = f"{options.scenario} {options.profile} {options.code} seed {options.seed}, scenario {scene.scenario.hash}"
-        drawings = [bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20), bed_panel(scene, f"section_{label}"),
-                    chain_panel(scene, f"force_chains_{label}")]
-        for drawing in filter(None, drawings):
-            style.save(drawing, folder, stamp)
-            written.append(folder / f"{drawing.name}.png")
+        with style.settings():
+            drawings = [bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20), bed_panel(scene, f"section_{label}"),
+                        chain_panel(scene, f"force_chains_{label}")]
+            for drawing in filter(None, drawings):
+                style.save(drawing, folder, stamp)
+                written.append(folder / f"{drawing.name}.png")
         written += write_paraview(scene, folder, label)
     if not written:
         print("view: " + reasons[-1], file=sys.stderr)
