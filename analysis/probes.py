@@ -96,25 +96,32 @@ def with_values(scenario: Scenario, name: str, **values) -> Scenario:
     return Scenario(name, scenario.profile, scenario.title, parameters)
 
 
-class ProbeError(RuntimeError):
-    """A case that an engine did not finish; the message is one line with the log's place."""
+class EngineFailure(RuntimeError):
+    """An engine that did not finish; the message is one line with its own error."""
 
 
-def run_probes(code: str, probes: list[Probe], folder: Path, workers: int = 1) -> dict[str, Trajectory]:
-    """Run all probes in one engine, below `folder`; return trajectories by name. Raises ProbeError."""
+def run_probes(code: str, probes: list[Probe], folder: Path, workers: int = 1) -> tuple[dict[str, Trajectory], dict[str, str]]:
+    """Run all probes in one engine, below `folder`, at most `workers` at a time.
+
+    Returns trajectories by name, and for probes that did not finish one line each.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     if code == "yade":
         shares = [probes[k::workers] for k in range(workers)]
         jobs = [(share, folder / f"part_{k}") for k, share in enumerate(shares) if share]
         runner = _run_yade
     else:
-        jobs = [(probe, folder / probe.name) for probe in probes]
+        jobs = [([probe], folder / probe.name) for probe in probes]
         runner = _run_liggghts
+    found, failures = {}, {}
     with ThreadPoolExecutor(workers) as pool:
-        return {name: found for part in pool.map(lambda job: runner(*job), jobs) for name, found in part.items()}
+        for done, failed in pool.map(lambda job: runner(*job), jobs):
+            found.update(done)
+            failures.update(failed)
+    return found, failures
 
 
-def _run_yade(probes: list[Probe], folder: Path) -> dict[str, Trajectory]:
+def _run_yade(probes: list[Probe], folder: Path):
     folder.mkdir(parents=True, exist_ok=True)
     entries = []
     for probe in probes:
@@ -123,8 +130,14 @@ def _run_yade(probes: list[Probe], folder: Path) -> dict[str, Trajectory]:
         entries.append(entry)
     listing = folder / "probes.json"
     listing.write_text(json.dumps(entries))
-    call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing), str(folder)], folder)
-    return {probe.name: _from_yade(probe, np.load(folder / f"{probe.name}.npy")) for probe in probes}
+    message = "yade: no result"
+    try:
+        call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing.resolve()), str(folder.resolve())], folder)
+    except EngineFailure as error:
+        message = str(error)
+    found = {probe.name: _from_yade(probe, np.load(path)) for probe in probes
+             if (path := folder / f"{probe.name}.npy").exists()}
+    return found, {probe.name: message for probe in probes if probe.name not in found}
 
 
 def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
@@ -133,7 +146,8 @@ def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
     return Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], np.full(len(rows), np.nan))
 
 
-def _run_liggghts(probe: Probe, folder: Path) -> dict[str, Trajectory]:
+def _run_liggghts(probes: list[Probe], folder: Path):
+    probe, = probes
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "parameters.in").write_text(engines.liggghts_parameters(probe.scenario, seed=1))
     (folder / "case.in").write_text(_liggghts_case(probe))
@@ -143,12 +157,15 @@ def _run_liggghts(probe: Probe, folder: Path) -> dict[str, Trajectory]:
             f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
             for n, clump in enumerate(probe.clumps, start=1)))
     deck = "liggghts/verify_clumps.in" if probe.clumps else "liggghts/verify_balls.in"
-    call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
+    try:
+        call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
+    except EngineFailure as error:
+        return {}, {probe.name: str(error)}
     spheres = len(probe.balls) + 2 * len(probe.clumps)
     rows = np.fromfile(folder / "rows.bin").reshape(-1, 2 + 15 * spheres)
     values = rows[:, 2:].reshape(len(rows), spheres, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
-    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1])}
+    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1])}, {}
 
 
 def _list(values) -> str:
@@ -179,14 +196,14 @@ def _liggghts_case(probe: Probe) -> str:
 
 
 def call_engine(command: list[str], folder: Path) -> None:
-    """Run an engine in the repository's root; ProbeError with its own error line if it fails."""
-    log = folder / "engine.log"
-    with open(log, "w") as out:
+    """Run an engine in the repository's root, its words going to `folder`/engine.log; EngineFailure if it fails."""
+    log, name = folder / "engine.log", Path(command[0]).name
+    with open(log, "a") as out:
         try:
             status = subprocess.run(command, cwd=engines.ROOT, stdout=out, stderr=subprocess.STDOUT,
                                     stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S).returncode
         except subprocess.TimeoutExpired:
-            raise ProbeError(f"{command[0]}: no end after {TIME_LIMIT_S} s; see {log}") from None
+            raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
     if status:
         errors = [line for line in log.read_text(errors="replace").splitlines() if "ERROR" in line]
-        raise ProbeError(f"{Path(command[0]).name}: exit code {status}: {errors[0] if errors else 'no error line'}; see {log}")
+        raise EngineFailure(f"{name}: exit code {status}: {errors[0] if errors else 'no line with ERROR; see --keep'}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -47,17 +48,19 @@ class LoadedColumn:
             load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
             loading__cycles=2, output__checkpoint_cycles=2, output__keep_beds=[2])
 
-    def run(self, folder: Path) -> None:
+    def run(self, folder: Path, workers: int = 1) -> None:
         """Preload and load both columns."""
-        for law, scenario in self.scenarios.items():
-            run_dir = folder / law
-            engines.write_inputs(scenario, run_dir, seed=1)
-            clump, box = derived.clump(scenario), derived.apparatus(scenario)
-            engines.write_bed(run_dir / "raw" / "bed_packed.csv", [
-                (box.length_m / 2, box.width_m / 2, (2 * k + 1) * clump.radius_m, *about_y(90)) for k in range(LAYERS)])
-            call_engine(engines.command(self.code, "preload", run_dir), run_dir)
-            checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engines.CHECKPOINT_SUFFIX[self.code]}"
-            call_engine(engines.command(self.code, "cyclic", run_dir, checkpoint), run_dir)
+        with ThreadPoolExecutor(workers) as pool:
+            list(pool.map(lambda item: self._run(item[1], (folder / item[0]).resolve()), self.scenarios.items()))
+
+    def _run(self, scenario: Scenario, run_dir: Path) -> None:
+        engines.write_inputs(scenario, run_dir, seed=1)
+        clump, box = derived.clump(scenario), derived.apparatus(scenario)
+        engines.write_bed(run_dir / "raw" / "bed_packed.csv", [
+            (box.length_m / 2, box.width_m / 2, (2 * k + 1) * clump.radius_m, *about_y(90)) for k in range(LAYERS)])
+        call_engine(engines.command(self.code, "preload", run_dir), run_dir)
+        checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engines.CHECKPOINT_SUFFIX[self.code]}"
+        call_engine(engines.command(self.code, "cyclic", run_dir, checkpoint), run_dir)
 
     def judge(self, folder: Path, sheet: Sheet) -> None:
         for law, scenario in self.scenarios.items():
