@@ -131,6 +131,8 @@ def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "consta
 def _whiten(columns: np.ndarray, weight: np.ndarray, memory: float) -> np.ndarray:
     """Scale by the weights and take the memory out (Prais and Winsten), along the first axis."""
     scaled = columns * (weight if columns.ndim == 1 else weight[:, None])
+    if memory == 0:
+        return scaled
     white = scaled.copy()
     white[1:] -= memory * scaled[:-1]
     white[0] *= np.sqrt(1 - memory**2)
@@ -161,10 +163,12 @@ class _Problem:
     def solve(self, x: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Sum of squares, linear parameters and the diagonal of their inverse normal matrix at `x` = scaled inner parameter."""
         matrix = _whiten(self.rule.columns(self.n, self.rule.unscale(x)), self.weight, self.memory)
-        left, singular, right = np.linalg.svd(matrix, full_matrices=False)
-        inverse = np.where(singular > 1e-12 * singular[0], 1 / np.maximum(singular, 1e-300), 0.0)
-        linear = right.T @ (inverse * (left.T @ self._target))
-        return float(np.sum((self._target - matrix @ linear) ** 2)), linear, np.sum((right.T * inverse) ** 2, axis=1)
+        size = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+        matrix = matrix / size                  # columns of length 1: the normal equations are then good enough
+        inverse = np.linalg.inv(matrix.T @ matrix + 1e-14 * np.eye(len(size)))
+        linear = inverse @ (matrix.T @ self._target)
+        residual = self._target - matrix @ linear
+        return float(residual @ residual), linear / size, np.diag(inverse) / size**2
 
     def sum(self, x: float) -> float:
         """Sum of squares at `x`."""
