@@ -89,6 +89,7 @@ KEYS: dict[str, Key] = {
     "packing.lattice_gap": _from_zero("m", 1),
     "packing.relax_stiffness": Key("-", list, 0, 1, open_minimum=True),
     "packing.relax_steps": _positive("step", kind=int),
+    "packing.local_damping": _from_zero("-", 0.95),
     "packing.compaction_gravity": _positive("m/s2"),
     "packing.compaction_friction": _from_zero("-", 5),
     "packing.compaction_unbalanced_ratio": _positive("-", 1),

@@ -32,7 +32,7 @@ def pack(run: stage.Stage, _) -> None:
     lid = apparatus.close_lid(run.box, "wall", law.wall_mask)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_start.csv"), law.shells)
-    newton = NewtonIntegrator(damping=s["rest.local_damping"], gravity=(0, 0, 0), label="newton")
+    newton = NewtonIntegrator(damping=s["packing.local_damping"], gravity=(0, 0, 0), label="newton")
     O.engines = [ForceResetter(), *law.engines(), newton]
     run.start_state_file()
 
@@ -68,6 +68,7 @@ def pack(run: stage.Stage, _) -> None:
         run.advance_or_stop(run.grid.steps_per_block)
     O.engines = O.engines[:-1]
     law.set_friction(s["contact.particle_particle.friction"], s["contact.particle_wall.friction"])
+    newton.damping = s["rest.local_damping"]
     run.advance_to_rest()
     removed = run.bed.remove_outside(run.box)
     print(f"packing: {removed} more clumps deleted, {len(run.bed.numbers)} stay", flush=True)
