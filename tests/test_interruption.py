@@ -1,0 +1,141 @@
+"""What can happen to a long run, with both real engines: killed, stopped, damaged, out of space, diverging.
+
+Each test starts from the same preloaded small bed; the first makes one anew, from packing on.
+"""
+
+import contextlib
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+
+import pytest
+from driver import REAL, damage, drive, engines_of, kill_until_done, latest, results_of, run_folder, start, steps, wait_for, wait_until
+from small_bed import write_scenarios
+
+from analysis import derived, record
+from analysis.scenario import Scenario
+
+
+def grid_of(folder):
+    return derived.time_grid(Scenario.from_json((folder / "scenario.json").read_text()))
+
+
+def assert_no_gap(folder, cycles):
+    grid = grid_of(folder)
+    end = cycles * grid.steps_per_cycle
+    assert steps(folder / "raw" / "cyclic.csv") == list(range(0, end + 1, grid.steps_per_row))
+    assert steps(folder / "raw" / "state.csv") == list(range(grid.steps_per_block, end + 1, grid.steps_per_block))
+
+
+def test_a_repeated_run_gives_the_same_files(code, undisturbed, small_scenarios, tmp_path):
+    first = undisturbed("linear-mu0.8", code)
+    done = drive(REAL, "linear-mu0.8", "--code", code, "--cycles", 3, "--results", tmp_path, "--scenarios", small_scenarios)
+    assert done.returncode == 0, done.stderr
+    again = run_folder(tmp_path, "linear-mu0.8", code)
+    assert results_of(again) == results_of(first)
+    for name in ("bed_packed.csv", "bed_preloaded.csv", "cyclic.csv", "state.csv"):
+        assert (again / "raw" / name).read_bytes() == (first / "raw" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_killed_at_random_moments_it_gives_the_same_files(scenario, code, undisturbed, begin, tmp_path, seed):
+    expected = undisturbed(scenario, code)
+    folder, arguments = begin(tmp_path, scenario, code)
+    kills = kill_until_done(REAL, arguments, folder, random.Random(seed), longest_s=3.0)
+    assert results_of(folder) == results_of(expected), f"after {kills} kills"
+    assert kills > 0
+    assert_no_gap(folder, 3)
+
+
+def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(code, undisturbed, begin, tmp_path):
+    expected = undisturbed("linear-mu0.8", code)
+    folder, arguments = begin(tmp_path, "linear-mu0.8", code)
+    process = start(REAL, *arguments)
+    wait_until(lambda: process.poll() is not None or latest(folder).cycle == 2, "no checkpoint after cycle 2", seconds=300)
+    process.kill()
+    process.communicate()
+    bad = latest(folder)
+    damage(bad.path)
+    done = drive(REAL, *arguments)
+    assert done.returncode == 0 and f"checkpoints/{bad.path.name} is damaged" in done.stdout
+    assert results_of(folder) == results_of(expected)
+    assert_no_gap(folder, 3)
+
+
+def test_ctrl_c_leaves_a_checkpoint_that_the_run_goes_on_from(code, begin, tmp_path):
+    folder, arguments = begin(tmp_path, "linear-mu0.8", code)
+    process = start(REAL, *arguments)
+    wait_for(folder / "raw" / "cyclic.csv", process)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=120)
+    assert process.returncode == 130 and "to go on: make run SCENARIO=linear-mu0.8" in err
+    assert record.read(folder)["state"] == "interrupted" and not engines_of(folder)
+    stopped_at = latest(folder)
+    assert 0 < stopped_at.step(grid_of(folder)) == steps(folder / "raw" / "cyclic.csv")[-1]
+    assert drive(REAL, *arguments).returncode == 0
+    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
+    assert_no_gap(folder, 3)
+
+
+def test_the_engine_dies_with_a_killed_driver(code, begin, tmp_path):
+    folder, arguments = begin(tmp_path, "linear-mu0.8", code)
+    process = start(REAL, *arguments)
+    wait_for(folder / "raw" / "cyclic.csv", process)
+    assert engines_of(folder)
+    process.kill()
+    process.communicate()
+    wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=10)
+
+
+def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, preloaded, tmp_path):
+    """A hundred times the load squeezes the clumps into each other."""
+    too_much = write_scenarios(tmp_path / "scenarios.toml", stress_max="46e6")
+    bed = run_folder(preloaded, "linear-mu0.8", code) / "raw" / "bed_packed.csv"
+    done = drive(REAL, "linear-mu0.8", "--code", code, "--results", tmp_path, "--scenarios", too_much, "--bed", bed)
+    folder = run_folder(tmp_path, "linear-mu0.8", code)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "diverged: overlap of" in done.stderr and "limits.overlap_ratio" in done.stderr
+    assert record.read(folder)["state"] == "failed" and record.read(folder)["bed"] == "bed_packed.csv"
+    assert latest(folder).is_good() and not engines_of(folder)
+
+
+@contextlib.contextmanager
+def small_disk(path, free_bytes):
+    """A place with little room: a file system in memory where that is allowed, else a limit on the size of files.
+
+    Yields (options for the driver, function that ends the shortage).
+    """
+    path.mkdir()
+    size = 64 * 2**20
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path], capture_output=True).returncode == 0
+    filler = path / "filler"
+    try:
+        if mounted:
+            def fill():
+                filler.write_bytes(bytes(shutil.disk_usage(path).free - free_bytes))
+                return {}
+            yield fill, filler.unlink
+        else:
+            yield lambda: {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (free_bytes, free_bytes))}, lambda: None
+    finally:
+        if mounted:
+            subprocess.run(["umount", "--lazy", path], check=True)
+
+
+def test_a_full_disk_is_one_line_and_the_run_goes_on_once_there_is_room(code, undisturbed, begin, tmp_path):
+    expected = undisturbed("linear-mu0.8", code)
+    with small_disk(tmp_path / "disk", free_bytes=100_000) as (fill, make_room):
+        folder, arguments = begin(tmp_path / "disk" / "results", "linear-mu0.8", code)
+        done = drive(REAL, *arguments, **fill())
+        assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr
+        assert "no space left for" in done.stderr and str(folder) in done.stderr and "give the same command again" in done.stderr
+        assert not engines_of(folder) and latest(folder).is_good()
+        assert "finished" not in drive((REAL[0], "-m", "analysis"), "status", "--results", tmp_path / "disk" / "results").stdout
+        make_room()
+        done = drive(REAL, *arguments)
+        assert done.returncode == 0, done.stderr
+        assert results_of(folder) == results_of(expected)
+        assert_no_gap(folder, 3)
