@@ -4,13 +4,16 @@ import json
 import re
 import shutil
 import textwrap
+import tomllib
 
 import numpy as np
 import pytest
 
-from analysis import reference, webplotdigitizer
+from analysis import figures, load_runs, reference, webplotdigitizer
+from analysis.claims import evaluate_claims
 from analysis.reference import REFERENCE_FOLDER, load_references, settlement_laws
 from analysis.scenario import scenario_names
+from synthetic import write_run
 
 CYCLES = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000.0])
 SETTLEMENT_MM = 2 + 8 * (1 - np.exp(-CYCLES / 20)) + 0.003 * CYCLES
@@ -236,6 +239,52 @@ def test_numbers_from_a_table_are_listed_as_transcribed(folder, capsys):
     fill(source / "settlement.toml", ["s.csv"], status="transcribed")
     assert reference.main(["--folder", str(folder)]) == 0
     assert re.search(r"indraratna2013/settlement\.toml +1 transcribed", capsys.readouterr().out)
+
+
+def drop_everything(folder):
+    """Made-up curves for every sidecar, in all formats; settlements end at 13 mm, profiles grow with cycles."""
+    for sidecar in reference.sidecars(folder):
+        names = [(c["dataset"], c.get("cycle", 0)) for c in tomllib.loads(sidecar.read_text())["curves"]]
+        stem, share = sidecar.stem, np.array([0.0, 10, 100, 1000]) / 1000
+        if "porosity" in stem:
+            points = {name: np.column_stack([1000 * share, 0.34 + (k + share) / 100])
+                      for k, (name, _) in enumerate(names)}
+            project_json(sidecar.parent / f"{stem}.json", points, y=(0.3, 0.4), version=3)
+            fill(sidecar, [f"{stem}.json"], y=("-", [0.3, 0.4]), error=(0.001, "-"))
+        elif "lateral" in stem:
+            points = {name: np.column_stack([(1 + np.log10(cycle)) * np.array([1.0, 2, 3, 2, 1]), DEPTH_MM])
+                      for name, cycle in names}
+            side_by_side_csv(sidecar.parent / f"{stem}.csv", points)
+            fill(sidecar, [f"{stem}.csv"], x=("mm", [0, 20]), y=("mm", [0, 325]))
+        elif len(names) == 1:
+            single_csv(sidecar.parent / f"{stem}.csv", settlement_points())
+            fill(sidecar, [f"{stem}.csv"])
+        else:
+            project_json(sidecar.parent / f"{stem}.json", {name: settlement_points() for name, _ in names})
+            fill(sidecar, [f"{stem}.json"])
+
+
+def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, capsys):
+    drop_everything(folder)
+    references = load_references(folder)
+    assert references.problems == [] and references.pending.empty
+    assert references.curves.groupby(["sidecar", "curve"]).ngroups == 70
+    assert reference.main(["--folder", str(folder)]) == 0
+    assert "Curves: 70 there, 0 pending" in capsys.readouterr().out
+
+    write_run(tmp_path / "results", "demo", "linear-mu0.8", cycles=5, contacts=False)
+    runs = load_runs(tmp_path / "results", quiet=True)
+    gallery = figures.Gallery(tmp_path / "figures", "test", runs, references, scenario_names())
+    for draw in (figures.settlement, figures.lateral, figures.porosity):
+        drawn = draw(gallery, runs, draw.__name__, "title", "caption")
+        assert drawn.pending == []
+        text = "".join((tmp_path / "figures" / f"{panel.name}.svg").read_text() for panel in drawn.panels)
+        if draw is not figures.porosity:
+            assert "experiment" in text and "Chen 2015" in text
+        assert "paper " in text and "pending" not in text
+
+    judged = [v for v in evaluate_claims(runs, references) if v.claim.reference]
+    assert len(judged) == 10 and not any("(pending)" in m for v in judged for m in v.missing)
 
 
 def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
