@@ -51,9 +51,9 @@ def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int
         else:
             case.judge(found, sheet)
     for make in STAGED:
-        case = make(code)
-        if chosen and case.name not in chosen:
+        if chosen and make.name not in chosen:
             continue
+        case = make(code)
         try:
             case.run(folder / case.name, workers)
         except EngineFailure as error:

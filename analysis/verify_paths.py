@@ -18,7 +18,7 @@ SLIDING = ((0.0, 1.0), 60)
 BACK = ((0.0, -1.0), 60)
 UNLOADING = ((-0.7, -0.4), 12)
 RELOADING = ((0.9, 4.0), 20)
-SEPARATION = ((-1.3, 0.3), 26)
+SEPARATION = ((-2.6, 0.3), 13)     # so fast that the dashpots would pull
 CLOSING_AGAIN = ((1.1, -0.6), 30)
 PATH = (LOADING, SLIDING, BACK, UNLOADING, RELOADING, SEPARATION, CLOSING_AGAIN)
 

@@ -1,0 +1,211 @@
+"""The verification itself: its table, its refusals, and a few of its cases in both engines."""
+
+import csv
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis import engines, impact, mutations, probes, verify, verify_impacts, verify_paths
+from analysis.scenario import ScenarioError, load_scenario
+from analysis.verify_sheet import Sheet, write_rows
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+# ------------------------------------------------------------------ the table
+
+def test_a_row_passes_within_its_tolerance_only():
+    sheet = Sheet("liggghts")
+    sheet.compare("case", "a", 2.0, 2.01, 0.0051)
+    sheet.compare("case", "b", 2.0, 2.01, 0.0049)
+    sheet.compare("case", "c", 0.0, 1e-9, 0.0)
+    sheet.compare("case", "d", 0.0, 0.0, 0.0)
+    sheet.compare("case", "e", 0.0, 0.01, 0.02, scale=1.0)
+    sheet.compare("case", "f", 1.0, math.nan, 0.5)
+    assert [row.passed for row in sheet.rows] == [True, False, False, True, True, False]
+
+
+def test_curves_are_judged_by_their_worst_point():
+    sheet = Sheet("yade")
+    sheet.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, 1.1], 0.005)
+    sheet.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, math.nan], 0.5)
+    assert not sheet.rows[0].passed and sheet.rows[0].measured == 1.1 and sheet.rows[0].rel_error == pytest.approx(0.01)
+    assert not sheet.rows[1].passed
+
+
+def test_the_table_has_the_promised_columns(tmp_path):
+    sheet = Sheet("yade")
+    sheet.compare("case", "force, N", 1.0, 1.0, 0.005, 'with "quotes", commas')
+    sheet.fail("other", "yade: no end")
+    write_rows(tmp_path / "verification.csv", sheet.rows)
+    with open(tmp_path / "verification.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["code", "case", "quantity", "expected", "measured", "abs_error", "rel_error", "tolerance",
+                             "passed", "reason"]
+    assert [row["passed"] for row in rows] == ["true", "false"]
+    assert rows[0]["reason"] == 'with "quotes", commas'
+
+
+def test_curves_are_written_per_case_and_code(tmp_path):
+    sheet = Sheet("yade")
+    sheet.curve("path", "wall", step=[1, 2], force_N=[1.0, 2.0], force_N_expected=[1.0, 2.1])
+    sheet.curve("path", "spheres", step=[1], force_N=[3.0], force_N_expected=[3.0])
+    sheet.write_curves(tmp_path)
+    assert (tmp_path / "path_yade.csv").read_text().splitlines() == [
+        "series,step,force_N,force_N_expected", "wall,1,1,1", "wall,2,2,2.1", "spheres,1,3,3"]
+
+
+# ------------------------------------------------------------------ impact files
+
+GOOD = """
+base = "nonlinear-md1-en0.6"
+[impact]
+speed = { value = 2.0, unit = "m/s" }
+angle = { value = 60.0, unit = "degrees" }
+[body_1]
+radius = { value = 0.01, unit = "m" }
+density = { value = 3000.0, unit = "kg/m3" }
+spin = { value = [0.0, 5.0, 0.0], unit = "rad/s" }
+[body_2]
+motion = { value = "held", unit = "-" }
+[contact.particle_particle]
+friction = { value = 0.3, unit = "-" }
+"""
+
+BAD = [
+    ('speed = { value = 2.0, unit = "m/s" }', "", "impact.speed is missing"),
+    ('unit = "m/s"', 'unit = "mm/s"', '"m/s"'),
+    ("value = 2.0", "value = -2.0", "> 0"),
+    ("value = 2.0", 'value = "fast"', "a number"),
+    ("value = 60.0", "value = 90.0", "<= 89"),
+    ("[0.0, 5.0, 0.0]", "[0.0, 5.0]", "three of them"),
+    ("radius =", "radious =", "the keys"),
+    ("nonlinear-md1-en0.6", "nonlinear", "one of"),
+    ('radius = { value = 0.01, unit = "m" }', "radius = 0.01", "value and unit"),
+    ('motion = { value = "held", unit = "-" }', 'shear_modulus = { value = 1e7, unit = "Pa" }', "of both bodies"),
+    ("[impact]", '[impact]\nagainst = { value = "wall", unit = "-" }', "no body_2"),
+    ("friction = { value = 0.3", "restitution = { value = 0.0, unit = \"-\" }\ndamping_mode = { value = 0", "singular"),
+    ("[body_1]", "[body_1", "not valid TOML"),
+]
+
+
+def write(tmp_path, text):
+    path = tmp_path / "case.toml"
+    path.write_text(text)
+    return path
+
+
+def test_impact_file(tmp_path):
+    case = impact.read_impact(write(tmp_path, GOOD))
+    first, second = case.balls
+    assert first.radius == 0.01 and first.mass == pytest.approx(3000 * 4 / 3 * math.pi * 1e-6)
+    assert first.velocity == pytest.approx((2 * math.sin(math.pi / 3), 0, -1.0)) and first.spin == (0, 5, 0)
+    assert second.held and second.radius == pytest.approx(0.014739, rel=1e-4)       # the clump's, as nothing is said
+    assert case.scenario["contact.particle_particle.friction"] == 0.3
+    assert case.scenario["contact.particle_particle.restitution"] == 0.6            # from the base
+    assert case.normal_speed == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("old, new, says", BAD)
+def test_bad_impact_files_are_refused_in_one_line(tmp_path, capsys, old, new, says):
+    assert old in GOOD
+    path = write(tmp_path, GOOD.replace(old, new, 1))
+    with pytest.raises(ScenarioError) as refused:
+        impact.read_impact(path)
+    assert says in str(refused.value) and "case.toml" in str(refused.value) and "\n" not in str(refused.value)
+    assert impact.main([str(path), "--out", str(tmp_path)]) != 0
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_example_is_a_good_file():
+    case = impact.read_impact(ROOT / "examples" / "impact.toml")
+    assert case.balls[1].radius == 0.02 and not case.wall
+
+
+def test_missing_impact_file(tmp_path, capsys):
+    assert impact.main([str(tmp_path / "none.toml")]) != 0
+    assert "cannot be read" in capsys.readouterr().err
+
+
+# ------------------------------------------------------------------ cases without an engine
+
+def test_head_on_measures_of_a_known_motion():
+    """`measure` on a half sine: peak, duration between the crossings, restitution."""
+    scenario = load_scenario("linear-mu0.8")
+    law = verify_impacts.wall_law(scenario, 0.07)
+    probe = verify_impacts.against_wall("known", scenario, law, 0.015, 0.07, 1.0, "linear")
+    time = np.arange(probe.steps + 1) * probe.step
+    omega = math.sqrt(law.normal_stiffness / law.mass)
+    touch, leave = 20.4 * probe.step, 20.4 * probe.step + math.pi / omega
+    inside = (time > touch) & (time < leave)
+    overlap = np.where(inside, np.sin(omega * (time - touch)) / omega, np.where(time < touch, time - touch, leave - time))
+    speed = np.where(time < touch, -1.0, np.where(inside, -np.cos(omega * (time - touch)), 0.7))
+    position, velocity, force, none = (np.zeros((len(time), 1, 3)) for _ in range(4))
+    position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
+    force[:, 0, 2] = np.where(inside, law.normal_stiffness * overlap, 0)
+    found = probes.Trajectory(time, position, velocity, none, force, none, none[:, 0, 0], none[:, 0, 0])
+    measured, _, _ = verify_impacts.measure(probe, found)
+    assert measured["peak_overlap_m"] == pytest.approx(1 / omega, rel=1e-5)
+    assert measured["duration_s"] == pytest.approx(math.pi / omega, rel=1e-5)
+    assert measured["restitution"] == pytest.approx(0.7)
+
+
+def test_path_reaches_every_branch():
+    """The imposed path closes within a step, slips both ways, leaves the contact, and closes again."""
+    case = verify_paths.Paths("liggghts")
+    for probe in case.probes():
+        overlap, closing, sliding, _, _ = case.geometry(probe)
+        inside = overlap > 0
+        assert not inside[0] and not inside[1] and inside[2]                # closes in the second step, not the first
+        assert (np.diff(inside.astype(int)) == 1).sum() == 2 and (np.diff(inside.astype(int)) == -1).sum() == 1
+        assert inside[-1] and sliding.min() < 0 < sliding.max()
+
+
+@pytest.mark.parametrize("mutation", mutations.MUTATIONS, ids=lambda m: m.name)
+def test_mutations_fit_the_source(tmp_path, mutation):
+    """A mutation that no longer finds its line would test nothing."""
+    shutil.copytree(ROOT / "liggghts" / "src", tmp_path / "src")
+    mutations.mutate(mutation, tmp_path / "src")
+    changed = [p.name for p in (tmp_path / "src").iterdir() if p.read_bytes() != (ROOT / "liggghts/src" / p.name).read_bytes()]
+    assert sorted(changed) == sorted({name for name, _, _ in mutation.changes})
+
+
+# ------------------------------------------------------------------ cases in the engines
+
+@pytest.mark.parametrize("code", engines.CODES)
+def test_path_and_wall_dashpot(code, tmp_path):
+    sheet, _ = verify.verify([code], tmp_path, ["path", "wall-dashpot"])
+    assert {row.case for row in sheet.rows} == {"path", "wall-dashpot"}
+    assert [row for row in sheet.rows if not row.passed] == []
+
+
+@pytest.mark.parametrize("code", engines.CODES)
+def test_impact_command(code, tmp_path):
+    """An oblique impact by file gives the restitution of its law and conserves momentum along the normal."""
+    path = write(tmp_path, GOOD.replace('motion = { value = "held", unit = "-" }', 'radius = { value = 0.02, unit = "m" }'))
+    done = subprocess.run([sys.executable, "-m", "analysis", "impact", str(path), "--code", code, "--out", str(tmp_path)],
+                          cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "case.csv", newline="") as file:
+        row, = csv.DictReader(file)
+    assert float(row["restitution"]) == pytest.approx(float(row["expected_restitution"]), rel=0.02)
+    first, second = impact.read_impact(path).balls
+    momentum = first.mass * float(row["velocity_1_z_m_s"]) + second.mass * float(row["velocity_2_z_m_s"])
+    assert momentum == pytest.approx(first.mass * first.velocity[2], rel=1e-6)
+    assert (tmp_path / "case_series.csv").read_text().startswith("code,time_s,overlap_m,normal_force_N,shear_force_N\n")
+
+
+def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
+    """An engine that breaks down must not make the suite pass."""
+    broken = tmp_path / "ballast"
+    broken.write_text("#!/bin/sh\necho 'ERROR: out of order'\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setattr(engines, "HOST", broken)
+    sheet, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
+    assert [(row.case, row.passed) for row in sheet.rows] == [("wall-dashpot", False), ("load-control", False)]
+    assert "out of order" in sheet.rows[0].reason
