@@ -74,8 +74,8 @@ bench: setup ## steps per second of both codes, one after the other
 ## Housekeeping
 setup: ## packages, Python environment and LIGGGHTS host, where missing
 	@./setup.sh
-	@$(MAKE) --no-print-directory $(STAMP)
-	@$(MAKE) --no-print-directory -C liggghts
+	@$(MAKE) --silent $(STAMP)
+	@$(MAKE) --silent -C liggghts
 
 $(STAMP): pyproject.toml
 	@test -x .venv/bin/python || $(PYTHON) -m venv .venv
