@@ -1,65 +1,144 @@
-"""The contact laws of the paper in stock YADE: materials, functors, and what YADE does otherwise."""
+"""The contact laws of the paper in stock YADE: materials, functors, and what YADE does otherwise.
+
+Between particles: linear springs (with a dashpot where damping_ratio > 0), or Hertz-Mindlin for the hysteretic model.
+At walls: linear springs. YADE chooses a law by the materials of the two bodies, and no material of its own gives Hertz
+between particles and a linear spring with dashpot at walls. Where walls have a dashpot every sphere is therefore doubled:
+one shell of the clump meets particles only, the other walls only. Collision masks keep them apart.
+"""
 
 from __future__ import annotations
 
 import math
 
-from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, FrictMat, Ig2_Box_Sphere_ScGeom,
-                          Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
-                          Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack, MatchMaker, Omega)
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, FrictMat, FrictViscoMat, FrictViscoPhys,
+                          Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, InsertionSortCollider,
+                          InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
+                          Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys, Ip2_PartialSatMat_PartialSatMat_MindlinPhys,
+                          Law2_ScGeom_FrictPhys_CundallStrack, Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
+                          Law2_ScGeom_MindlinPhys_Mindlin, MatchMaker, MindlinPhys, Omega, PartialSatMat)
+
+from analysis import laws
 
 O = Omega()
 VERLET_DISTANCE = 0.0004
 """By how much the collider enlarges the spheres, m; 0.2-0.5 mm is fastest."""
+MEETS_PARTICLES, MEETS_WALLS, IS_WALL = 1, 2, 4
 
 
 class ContactLaw:
-    """Contact law `model` (linear | hysteretic) with the parameters of `scenario`."""
+    """Contact law `model` (linear | hysteretic) with the parameters of `scenario`.
+
+    shells -- (material, collision mask) of each shell of spheres that a clump needs
+    wall_mask -- collision mask of walls, whose material is "wall"
+    """
 
     def __init__(self, scenario, model: str):
         self.scenario, self.model = scenario, model
         density = scenario["clump.density"]
-        self.particle = O.materials.append(FrictMat(density=density, label="particle"))
+        damping = scenario["contact.particle_particle.damping_ratio"]
+        wall_damping = scenario["contact.particle_wall.damping_ratio"]
+
+        if model == "hysteretic":
+            shear, poisson = (scenario[f"contact.particle_particle.{key}"] for key in ("shear_modulus", "poisson_ratio"))
+            particle = PartialSatMat(young=2 * shear * (1 + poisson), poisson=poisson)
+            self._between = Ip2_PartialSatMat_PartialSatMat_MindlinPhys()
+            restitution = effective_restitution(scenario)
+            if restitution < 1:
+                # es = 1: no dashpot in shear, which YADE would otherwise add
+                self._between.en, self._between.es = MatchMaker(algo="val", val=restitution), MatchMaker(algo="val", val=1.0)
+        elif damping > 0:
+            particle = FrictViscoMat(betan=damping)
+            self._between = Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys()
+        else:
+            particle = FrictMat()
+            self._between = Ip2_FrictMat_FrictMat_FrictPhys()
+        particle.density, particle.label = density, "particle"
+        self.particle = O.materials.append(particle)
         self.wall = O.materials.append(FrictMat(density=density, label="wall"))
-        self.shells, self.wall_mask = (("particle", 1),), 1
-        self._linear = Ip2_FrictMat_FrictMat_FrictPhys()
+        if wall_damping > 0:
+            self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
+            self.shells, self.wall_mask = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS)), MEETS_WALLS | IS_WALL
+            self._at_walls = Ip2_FrictMat_FrictViscoMat_FrictViscoPhys()
+        else:
+            self.touching = self.particle
+            self.shells, self.wall_mask = (("particle", MEETS_PARTICLES),), MEETS_PARTICLES
+            plain = isinstance(self._between, Ip2_FrictMat_FrictMat_FrictPhys)
+            self._at_walls = self._between if plain else Ip2_FrictMat_FrictMat_FrictPhys()
         self.set_stiffness(1.0)
         self.set_friction(scenario["contact.particle_particle.friction"], scenario["contact.particle_wall.friction"])
 
+    @property
+    def _functors(self) -> list:
+        return [self._between] if self._between is self._at_walls else [self._between, self._at_walls]
+
     def _pairs(self, particle: float, wall: float) -> MatchMaker:
-        return MatchMaker(matches=((self.particle, self.particle, particle), (self.particle, self.wall, wall)))
+        """A value for each pair of materials that can meet."""
+        return MatchMaker(matches=((self.particle, self.particle, particle), (self.wall, self.touching, wall)))
 
     def set_stiffness(self, fraction: float) -> None:
-        """Use this fraction of the contact stiffnesses from now on, in old and new contacts."""
-        pp, pw = ([self.scenario[f"contact.{pair}.{way}_stiffness"] * fraction for way in ("normal", "shear")]
-                  for pair in ("particle_particle", "particle_wall"))
-        self._linear.kn, self._linear.ks = self._pairs(pp[0], pw[0]), self._pairs(pp[1], pw[1])
+        """Use this fraction of the linear contacts' stiffness from now on, in old and new contacts."""
+        s = self.scenario
+        (kn, ks), (wall_kn, wall_ks) = ([s[f"contact.{pair}.{way}_stiffness"] * fraction for way in ("normal", "shear")]
+                                        for pair in ("particle_particle", "particle_wall"))
+        for functor in self._functors:
+            if isinstance(functor, Ip2_PartialSatMat_PartialSatMat_MindlinPhys):
+                continue
+            functor.kn = self._pairs(kn, wall_kn)
+            if isinstance(functor, Ip2_FrictMat_FrictMat_FrictPhys):
+                functor.ks = self._pairs(ks, wall_ks)
+            else:
+                functor.kRatio = self._pairs(ks / kn, wall_ks / wall_kn)
         for i in O.interactions:
-            if i.isReal:
-                i.phys.kn, i.phys.ks = pw if self._is_wall(i) else pp
+            if i.isReal and not isinstance(i.phys, MindlinPhys):
+                new = (wall_kn, wall_ks) if self._is_wall(i) else (kn, ks)
+                if isinstance(i.phys, FrictViscoPhys):
+                    i.phys.cn *= math.sqrt(new[0] / i.phys.kn)
+                i.phys.kn, i.phys.ks = new
 
     def set_friction(self, particle: float, wall: float) -> None:
         """Use these coefficients of friction from now on, in old and new contacts."""
-        self._linear.frictAngle = self._pairs(math.atan(particle), math.atan(wall))
+        for functor in self._functors:
+            functor.frictAngle = self._pairs(math.atan(particle), math.atan(wall))
         for i in O.interactions:
             if i.isReal:
                 i.phys.tangensOfFrictionAngle = wall if self._is_wall(i) else particle
 
     def _is_wall(self, interaction) -> bool:
-        return O.bodies[interaction.id1].material.id == self.wall
+        return O.bodies[interaction.id1].material.id == self.wall     # YADE puts the wall first
 
     def engines(self) -> list:
         """Collider and contact loop."""
         return [
             InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb()], verletDist=VERLET_DISTANCE,
-                                  label="collider"),
+                                  avoidSelfInteractionMask=MEETS_WALLS, label="collider"),
             # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS.
             InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), Ig2_Box_Sphere_ScGeom(),
                              Ig2_Wall_Sphere_ScGeom(noRatch=False)],
-                            [self._linear], [Law2_ScGeom_FrictPhys_CundallStrack()], label="contacts"),
+                            self._functors,
+                            [Law2_ScGeom_FrictPhys_CundallStrack(), Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(),
+                             Law2_ScGeom_MindlinPhys_Mindlin()], label="contacts"),
         ]
+
+
+def effective_restitution(scenario) -> float:
+    """Restitution of a free impact under the scenario's hysteretic law; 1 means no damping."""
+    mode, nominal = (scenario[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution"))
+    return laws.effective_restitution(laws.damping_factor(mode, nominal)) if nominal < 1 else 1.0
 
 
 def deviations(scenario) -> list[str]:
     """Where YADE's laws differ from the paper's, one sentence each."""
-    return ["YADE has no eq. 3: in the step in which a contact closes the whole shear increment counts."]
+    found = ["Eq. 3 is left out, YADE has no such rule: in the step in which a contact closes the whole shear increment counts."]
+    if scenario["contact.model"] == "hysteretic":
+        restitution = effective_restitution(scenario)
+        if restitution < 1:
+            found.append(
+                "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its viscous "
+                f"Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free impact at nominal "
+                f"e_n = {scenario['contact.particle_particle.restitution']:g}.")
+            found.append("The slip limit between particles includes the viscous part of the normal force.")
+    elif scenario["contact.particle_particle.damping_ratio"] > 0:
+        found.append("The slip limit between particles includes the dashpot's force.")
+    if scenario["contact.particle_wall.damping_ratio"] > 0:
+        found.append("The slip limit at walls includes the dashpot's force.")
+    return found
