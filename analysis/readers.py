@@ -46,10 +46,10 @@ def load_runs(results_dir="results", profile: str | None = None, scenario: str |
     >>> table = runs.cycles                          # all runs below each other, units in the names
     >>> last = table.groupby(["scenario", "code"])[["settlement_m", "lateral_3_m"]].last()
     >>> print((1000 * last).round(2))                # in mm
-                            settlement_m  lateral_3_m
+                           settlement_m  lateral_3_m
     scenario     code
-    linear-mu0.8 liggghts           5.46          5.0
-                 yade               5.60          5.0
+    linear-mu0.8 liggghts          5.46          5.0
+                 yade              5.59          5.0
     >>> run = runs[0]
     >>> run.code, run.info["state"], run.scenario["contact.particle_particle.friction"], run.problems
     ('liggghts', 'finished', 0.8, [])

@@ -90,8 +90,9 @@ def absurd_value(content, generator):
 
 
 def other_encoding(content, generator):
-    return generator.choice((content.decode().encode("utf-16"), codecs.BOM_UTF8 + content, content.replace(b"\n", b"\r\n"),
-                             content.decode().encode("utf-32"), content.replace(b"\n", b"\r")))
+    text = content.decode("latin-1")
+    return generator.choice((text.encode("utf-16"), codecs.BOM_UTF8 + content, content.replace(b"\n", b"\r\n"),
+                             text.encode("utf-32"), content.replace(b"\n", b"\r")))
 
 
 def empty(content, generator):

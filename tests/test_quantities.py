@@ -1,0 +1,255 @@
+"""Quantities and comparisons on synthetic runs with known answers."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, settlement, write_run
+
+from analysis import compare, derived, load_runs, quantities
+from analysis.reference import References
+
+CYCLES = 120
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Three seeds of LIGGGHTS, two of YADE; YADE settles 10 % more and its plates move 20 % more."""
+    folder = tmp_path_factory.mktemp("results")
+    law = ("exponential", {k: 1.1 * v if k != "c" else v for k, v in DEFAULT_LAW[1].items()})
+    for seed in (1, 2, 3):
+        write_run(folder, "demo", "linear-mu0.8", "liggghts", CYCLES, seed, noise=0.01, rng=1, contacts=False)
+    for seed in (1, 2):
+        write_run(folder, "demo", "linear-mu0.8", "yade", CYCLES + 20, seed, noise=0.01, rng=2, law=law, lateral_m=6e-3, contacts=False)
+    write_run(folder, "demo", "nonlinear-en1.0", "liggghts", 6, contacts=False)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def runs(results):
+    return load_runs(results)
+
+
+@pytest.fixture(scope="module")
+def run(runs):
+    return runs.select(code="liggghts", seed=1, scenario="linear-mu0.8")[0]
+
+
+@pytest.fixture(scope="module")
+def short(runs):
+    return runs.select(scenario="nonlinear-en1.0")[0]
+
+
+def value(table, quantity, cycle=None):
+    rows = table[(table["quantity"] == quantity) & ((table["cycle"] == cycle) if cycle is not None else True)]
+    assert len(rows) == 1, (quantity, cycle, len(rows))
+    return rows.iloc[0]
+
+
+# ------------------------------------------------------------------ one run
+
+def test_stroke_stiffness_and_loop(run):
+    table = quantities.per_cycle(run)
+    area = derived.apparatus(run.scenario).sleeper_area_m2
+    assert list(table) == list(quantities.PER_CYCLE) and len(table) == CYCLES
+    assert table["resilient_stroke_m"].to_numpy() == pytest.approx(STROKE_M)
+    assert table["secant_stiffness_N_m"].to_numpy() == pytest.approx(area * 410e3 / STROKE_M, rel=0.02)
+    # Of a cycle that adds nothing the work is the ellipse: pi x amplitude of the load x that of the lagging displacement.
+    loop = math.pi * 205e3 * area * STROKE_M / 2 * math.tan(LOSS_ANGLE_RAD)
+    permanent = area * 255e3 * table["settlement_increment_m"]      # the mean load does the rest
+    assert table["loop_energy_J"].to_numpy() == pytest.approx(loop + permanent.to_numpy(), rel=0.01)
+    assert table["porosity_spread"].iloc[-1] == pytest.approx(0.035)
+
+
+def test_increments_add_up_and_gaps_are_not_bridged(run, results):
+    table = quantities.per_cycle(run)
+    assert table["settlement_increment_m"].sum() == pytest.approx(run.cycles["settlement_m"].iloc[-1])
+    gap = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
+    gap.cycles = gap.cycles[gap.cycles["cycle"] != 3].reset_index(drop=True)
+    assert quantities.per_cycle(gap)["settlement_increment_m"].isna().tolist() == [False, False, True, False, False]
+
+
+def test_loops_need_a_whole_cycle(results):
+    run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
+    history = run.history
+    run.history = history[(history["cycle"] < 2.1) | (history["cycle"] > 2.6)]
+    assert sorted(quantities.loop_energy(run)) == [1, 2, 4, 5, 6]
+    run.history = history[history["cycle"] <= 4.5]
+    assert sorted(quantities.loop_energy(run)) == [1, 2, 3, 4]
+    run.history = history.iloc[::8]
+    assert quantities.loop_energy(run) == {}
+    run.history = history.iloc[:0]
+    assert quantities.per_cycle(run)["loop_energy_J"].isna().all()
+
+
+def test_lateral_profile_against_depth(run):
+    table = quantities.lateral_profile(run)
+    assert table["cycle"].unique().tolist() == [1, 10, 100]
+    assert quantities.plate_depths(run.scenario) == pytest.approx([0.293, 0.228, 0.163, 0.098, 0.033])
+    share = settlement(DEFAULT_LAW, [10])[0] / settlement(DEFAULT_LAW, [CYCLES])[0]
+    at_10 = table[table["cycle"] == 10]
+    assert at_10["depth_m"].to_numpy() == pytest.approx(quantities.plate_depths(run.scenario))
+    assert at_10["lateral_m"].to_numpy() == pytest.approx(5e-3 * share * np.array(LATERAL_PROFILE))
+    assert len(quantities.lateral_profile(run, [7000])) == 0
+
+
+def test_known_bulge(run):
+    """The plates' displacements times their area, in the synthetic run and by the function itself."""
+    expected = 5e-3 * sum(LATERAL_PROFILE) * derived.apparatus(run.scenario).plate_area_m2
+    assert value(quantities.summary(run), "bulge_volume_m3", CYCLES)["value"] == pytest.approx(expected)
+
+
+def test_late_slope_and_its_interval(run):
+    n, held = np.arange(1, 1001), 0
+    for seed in range(20):
+        curve = settlement(DEFAULT_LAW, n) + 1e-5 * np.random.default_rng(seed).standard_normal(1000)
+        slope, low, high = quantities.late_slope(n, curve)
+        assert low < slope < high and high - low < 2e-7
+        held += low <= 2e-6 <= high
+    assert held >= 15           # 0.95 each: fewer would happen once in 3000 times
+    assert quantities.late_slope(n, curve, first=1, last=20)[0] > 1e-4
+    assert all(map(math.isnan, quantities.late_slope(n[:12], curve[:12])))
+    assert all(map(math.isnan, quantities.late_slope([], [])))
+
+
+@pytest.mark.parametrize("porosities, error, text", [
+    ((0.34, 0.35, 0.36), 0.0009, "1 < 2 < 3"), ((0.36, 0.35, 0.34), 0.0009, "3 < 2 < 1"), ((0.35, 0.351, 0.36), 0.0009, "1 ~ 2 < 3"),
+    ((0.35, math.nan, 0.36), 0.0009, "")])
+def test_porosity_order(porosities, error, text):
+    assert quantities.porosity_order(porosities, error) == text
+
+
+def test_summary_says_everything_or_why_not(run, short):
+    table = quantities.summary(run)
+    assert list(table) == list(quantities.SUMMARY)
+    assert ((table["missing"] == "") == table["value"].notna()).all()
+    assert value(table, "settlement_m", 1000)["missing"] == f"the run has {CYCLES} cycles"
+    assert value(table, "settlement_m", 10)["value"] == pytest.approx(settlement(DEFAULT_LAW, [10])[0], rel=0.05)
+    for name in ("a", "b", "c", "d"):
+        row = value(table, f"exponential_{name}")
+        assert row["low"] <= DEFAULT_LAW[1][name] <= row["high"]
+    brief = quantities.summary(short)
+    assert "too few" in value(brief, "exponential_c")["missing"]
+    assert value(brief, "late_slope_m")["missing"] == "the later half of 6 cycles has fewer than 10"
+    assert value(brief, "settlement_m", 6)["missing"] == ""
+
+
+def test_summary_of_a_damaged_run(results):
+    run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
+    run.microstructure, run.history = run.microstructure.iloc[:0], run.history.iloc[:0]
+    run.cycles = run.cycles.assign(porosity_2=np.nan)
+    table = quantities.summary(run)
+    assert value(table, "porosity_2", 6)["missing"] == "not in cycles.csv"
+    assert value(table, "loop_energy_J", 6)["missing"] == "not in history.csv"
+    assert value(table, "coordination_number", 6)["missing"] == "not in microstructure.csv"
+    run.cycles = run.cycles.iloc[:0]
+    assert (quantities.summary(run)["missing"] != "").all()
+
+
+def test_nothing_needs_the_scenario(results):
+    run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
+    run.scenario = None
+    assert quantities.per_cycle(run)["secant_stiffness_N_m"].isna().all()
+    assert quantities.lateral_profile(run)["depth_m"].isna().all()
+    assert len(quantities.summary(run))
+
+
+# ------------------------------------------------------------------ code against code
+
+def test_agreement_returns_the_known_differences(runs):
+    table = compare.agreement(runs)
+    assert set(table["scenario"]) == {"linear-mu0.8"}                    # the other one has run in one code only
+    assert sorted(table["cycle"].unique()) == [0, 1, 10, 100, CYCLES]     # the last that all runs have
+    row = value(table, "settlement_m", 100)
+    assert (row["yade_seeds"], row["liggghts_seeds"]) == (2, 3)
+    assert row["ratio"] == pytest.approx(1 / 1.1, rel=0.03) and row["difference"] < 0
+    assert row["yade_low"] <= row["yade_mean"] <= row["yade_high"]
+    assert 0 < row["seed_scatter"] < 0.03 * row["yade_mean"]
+    row = value(table, "lateral_mean_m", CYCLES)
+    # YADE's run is longer: its full 6 mm come after 140 cycles, and 120 cycles are compared.
+    at_end = settlement(DEFAULT_LAW, [CYCLES])[0] / settlement(DEFAULT_LAW, [CYCLES + 20])[0]
+    assert row["ratio"] == pytest.approx(5 / (6 * at_end), rel=1e-6) and not row["within_scatter"]
+    assert value(table, "porosity_1", CYCLES)["unit"] == "-"
+    assert value(table, "late_slope_m")["ratio"] == pytest.approx(1 / 1.1, abs=0.5)
+
+
+def test_agreement_of_single_runs_has_no_scatter(runs):
+    table = compare.agreement(runs.select(seed=1))
+    assert (table["yade_seeds"] == 1).all() and table["seed_scatter"].isna().all()
+    assert all(within is None for within in table["within_scatter"])
+
+
+def test_agreement_within_the_scatter_of_equal_codes(tmp_path):
+    for code in ("yade", "liggghts"):
+        for seed in (1, 2, 3, 4):
+            write_run(tmp_path, "demo", "linear-mu0.8", code, 10, seed, noise=0.02, rng=10 + len(code), contacts=False)
+    table = compare.agreement(load_runs(tmp_path, quiet=True))
+    settled = table[table["quantity"] == "settlement_m"]
+    assert len(settled) == 2 and settled["within_scatter"].all()
+
+
+def test_agreement_of_nothing():
+    assert list(compare.agreement([])) == list(compare.AGREEMENT)
+    assert len(compare.lateral_agreement([])) == 0 and compare.last_common_cycle([]) == 0
+
+
+def test_lateral_shapes(runs):
+    table = compare.lateral_agreement(runs)
+    assert table["cycle"].tolist() == [1, 10, 100, CYCLES]
+    assert table["correlation"].to_numpy() == pytest.approx(1)          # the same profile in both codes
+    last = table.iloc[-1]
+    scale = 6 * settlement(DEFAULT_LAW, [CYCLES])[0] / settlement(DEFAULT_LAW, [CYCLES + 20])[0] - 5
+    assert last["rms_m"] == pytest.approx(1e-3 * scale * np.sqrt(np.mean(np.square(LATERAL_PROFILE))), rel=1e-6)
+
+
+def test_seed_bands(runs):
+    bands = compare.seed_bands(runs.cycles, ["settlement_m", "porosity_1"])
+    liggghts = bands[(bands["code"] == "liggghts") & (bands["scenario"] == "linear-mu0.8")]
+    assert len(liggghts) == CYCLES and (liggghts["seeds"] == 3).all()
+    one = runs.cycles[(runs.cycles["code"] == "liggghts") & (runs.cycles["cycle"] == 50)]["settlement_m"]
+    row = liggghts[liggghts["cycle"] == 50].iloc[0]
+    assert [row["settlement_m_low"], row["settlement_m_mean"], row["settlement_m_high"]] == pytest.approx([one.min(), one.mean(), one.max()])
+
+
+# ------------------------------------------------------------------ run against reference
+
+def test_reference_that_is_shifted():
+    """A constant shift, as the paper claims: nothing is left of the difference once it is removed."""
+    n = np.arange(1, 1001)
+    ours, at = settlement(DEFAULT_LAW, n), np.array([1, 5, 20, 100, 300, 600, 1000])
+    result = compare.against_reference(n, ours, at, ours[at - 1] - 2e-3, 1e-3)
+    assert result.points == 7 and result.shift_m == pytest.approx(2e-3) and result.rms_m == pytest.approx(2e-3)
+    assert result.rms_shifted_m == pytest.approx(0, abs=1e-12)
+    assert result.late_slope_ratio == pytest.approx(1) and result.first_cycle_ratio == pytest.approx(ours[0] / (ours[0] - 2e-3))
+    assert (result.within_error, result.within_error_shifted) == (0, 1)
+
+
+def test_reference_of_another_slope_and_order():
+    n = np.arange(1, 1001)
+    at = np.array([1000, 1, 400, 200, 800, 600])
+    result = compare.against_reference(n, 2e-3 + 4e-6 * n, at, 2e-3 + 2e-6 * at)
+    assert result.late_slope_ratio == pytest.approx(2) and math.isnan(result.within_error)
+    assert result.shift_m == pytest.approx(np.mean(2e-6 * at))
+    assert result.rms_shifted_m == pytest.approx(np.std(2e-6 * at))
+
+
+def test_reference_beyond_the_run_does_not_count():
+    n, at = np.arange(1, 51), np.array([10, 20, 40, 50, 100, 1000])
+    result = compare.against_reference(n, 1e-5 * n, at, 1e-5 * at)
+    assert result.points == 4 and result.rms_m == pytest.approx(0, abs=1e-15) and math.isnan(result.first_cycle_ratio)
+    assert compare.against_reference(n, 1e-5 * n, [500, 600, 700], [1, 1, 1]) is None
+    assert compare.against_reference([], [], at, at) is None
+
+
+def test_reference_table_pairs_scenarios(runs):
+    rows = []
+    for source, curve, scenario in (("experiment", "test", math.nan), ("paper", "linear", "linear-mu0.8"), ("paper", "nonlinear", "nonlinear-en1.0")):
+        for n in (1, 3, 5, 6):
+            rows.append({"source": source, "curve": curve, "scenario": scenario, "quantity": "settlement", "cycle": n, "value": 1e-3 * n, "error": 1e-4})
+    table = compare.reference_table(runs, References(pd.DataFrame(rows), pd.DataFrame()))
+    counts = table.groupby(["source", "curve"]).size().to_dict()
+    assert counts == {("experiment", "test"): 6, ("paper", "linear"): 5, ("paper", "nonlinear"): 1}
+    assert table["rms_m"].notna().all()
+    pending = pd.DataFrame(columns=["source", "curve", "scenario", "quantity", "cycle", "value", "error"])
+    assert len(compare.reference_table(runs, References(pending, pd.DataFrame()))) == 0
