@@ -1,9 +1,14 @@
 #include "fix_bed_state.h"
 
+#include <algorithm>
+
 #include "error.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
+
+/// Stands for the infinite ratio of a bed without contacts: the deck's `if` cannot read `inf`.
+static const double NOT_BALANCED = 1e300;
 
 FixBedState::FixBedState(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), step_(-1), state_() {
   if (narg != 3) error->fix_error(FLERR, this, "takes no arguments");
@@ -23,7 +28,7 @@ const ballast::BedState &FixBedState::state() {
 
 double FixBedState::compute_vector(int n) {
   const ballast::BedState &now = state();
-  const double values[] = {now.kinetic_energy, now.unbalanced_ratio, now.overlap_max_ratio, now.overlap_mean,
-                           now.contacts,       now.clumps,           now.at_limit_share,    now.sliding_share};
+  const double values[] = {now.kinetic_energy, std::min(now.unbalanced_ratio, NOT_BALANCED), now.overlap_max_ratio, now.overlap_mean,
+                           now.contacts,       now.clumps, now.at_limit_share, now.sliding_share};
   return values[n];
 }
