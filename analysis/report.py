@@ -14,10 +14,12 @@ from pathlib import Path
 import jinja2
 
 from . import pages, record, style
+from .claims import ClaimError
 from .engines import ROOT
 from .figures import Gallery
 from .readers import Run, Runs, load_runs
 from .reference import REFERENCE_FOLDER, load_references
+from .scenario import ScenarioError
 from .tables import write_aside
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
@@ -42,6 +44,9 @@ def main(argv: list[str]) -> int:
     began = time.monotonic()
     try:
         book = build(options.results, options.out)
+    except (ScenarioError, ClaimError) as error:
+        print(f"report: {error}", file=sys.stderr)
+        return 1
     except OSError as error:
         print(f"report: {error.filename or options.out}: {error.strerror}; give another --out", file=sys.stderr)
         return 1

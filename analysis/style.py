@@ -67,7 +67,7 @@ _SHADES: dict[tuple[str, float], tuple[str, str]] = {}
 def _twin(family: str, level: float) -> tuple[str, str]:
     light, dark = PALETTE[family]
     if level < 0:
-        return _mix(light, PAPER, -0.42 * level), _mix(dark, PALETTE["paper"][1], -0.42 * level)
+        return _mix(light, PAPER, -0.42 * level), _mix(dark, PALETTE["paper"][1], -0.30 * level)
     return _mix(light, "#000000", 0.42 * level), _mix(dark, "#ffffff", 0.5 * level)
 
 

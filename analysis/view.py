@@ -22,7 +22,7 @@ from . import beds, derived, render, style, tables
 from .engines import CODES
 from .scenario import Scenario
 
-MOVED = LinearSegmentedColormap.from_list("moved", ["#d9d5cb", "#e9c46a", "#e07b2e", "#a3273f", "#4b1248"])
+MOVED = LinearSegmentedColormap.from_list("moved", ["#d9d5cb", "#e9c46a", "#e07b2e", "#a3273f", "#5e1a63"])
 """From resting stone to what moved most; lightness falls all the way, so it also works without colour."""
 FORCE = LinearSegmentedColormap.from_list("force", ["#b9a98f", "#e08a2e", "#d7301f"])
 STONE = np.array([[0.80, 0.78, 0.74], [0.72, 0.71, 0.69], [0.66, 0.65, 0.64], [0.76, 0.73, 0.68], [0.70, 0.68, 0.63]])
