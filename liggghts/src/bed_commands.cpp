@@ -18,6 +18,7 @@
 #include "commands.h"
 #include "domain.h"
 #include "error.h"
+#include "stop_with_error.h"
 #include "fix_multisphere.h"
 #include "fix_property_atom.h"
 #include "force.h"
@@ -45,17 +46,17 @@ struct ClumpShape {
 
 FixMultisphere *clumps_of(LAMMPS *lmp) {
   FixMultisphere *clumps = find_clumps(lmp);
-  if (!clumps) lmp->error->all(FLERR, "no clumps: the deck needs a fix multisphere first");
+  if (!clumps) stop_with_error(lmp, "no clumps: the deck needs a fix multisphere first");
   return clumps;
 }
 
 std::vector<Pose> read_bed(LAMMPS *lmp, const std::string &path) {
-  std::ifstream file(path.c_str());
-  if (!file) lmp->error->all(FLERR, (path + ": cannot be read; run the stage before, or give the path of a bed file").c_str());
+  std::ifstream file(path);
+  if (!file) stop_with_error(lmp, path + ": cannot be read; run the stage before, or give the path of a bed file");
   std::string line;
   std::getline(file, line);
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-  if (line != BED_HEADER) lmp->error->all(FLERR, (path + ": is no bed file; its first line must be " + BED_HEADER).c_str());
+  if (line != BED_HEADER) stop_with_error(lmp, path + ": is no bed file; its first line must be " + BED_HEADER);
   std::vector<Pose> bed;
   for (int number = 2; std::getline(file, line); number++) {
     if (line.find_first_not_of(" \r\t") == std::string::npos) continue;
@@ -67,11 +68,11 @@ std::vector<Pose> read_bed(LAMMPS *lmp, const std::string &path) {
     if (found != 8 || p.id < 1 || !(std::fabs(norm - 1.0) < 1e-6) || !std::isfinite(p.centre[0] + p.centre[1] + p.centre[2])) {
       std::ostringstream text;
       text << path << ": line " << number << " is no clump; expected a positive id, a position and a unit quaternion";
-      lmp->error->all(FLERR, text.str().c_str());
+      stop_with_error(lmp, text.str());
     }
     bed.push_back(p);
   }
-  if (bed.empty()) lmp->error->all(FLERR, (path + ": holds no clump; make the bed again").c_str());
+  if (bed.empty()) stop_with_error(lmp, path + ": holds no clump; make the bed again");
   return bed;
 }
 
@@ -80,13 +81,13 @@ ClumpShape read_shape(LAMMPS *lmp, int narg, char **arg) {
   for (int n = 1; n < narg;) {
     const std::string key = arg[n++];
     const int count = key == "inertia" ? 2 : 1;
-    if (n + count > narg) lmp->error->all(FLERR, ("place_clumps: value of " + key + " is missing").c_str());
+    if (n + count > narg) stop_with_error(lmp, "place_clumps: value of " + key + " is missing");
     values[key] = lmp->force->numeric(FLERR, arg[n]);
     if (count == 2) values["inertia_axial"] = lmp->force->numeric(FLERR, arg[n + 1]);
     n += count;
   }
   for (const char *key : {"radius", "half_distance", "mass", "density", "inertia", "type"})
-    if (!(values[key] > 0.0)) lmp->error->all(FLERR, (std::string("place_clumps: ") + key + " must be given and positive").c_str());
+    if (!(values[key] > 0.0)) stop_with_error(lmp, std::string("place_clumps: ") + key + " must be given and positive");
   return {values["radius"], values["half_distance"], values["mass"], values["density"], values["inertia"],
           values["inertia_axial"], static_cast<int>(values["type"])};
 }
@@ -156,9 +157,9 @@ std::vector<double> gather_rows(LAMMPS *lmp, const std::vector<double> &rows) {
 }  // namespace
 
 void place_clumps(LAMMPS *lmp, int narg, char **arg) {
-  if (narg < 2) lmp->error->all(FLERR, "place_clumps: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
+  if (narg < 2) stop_with_error(lmp, "place_clumps: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
   FixMultisphere *clumps = clumps_of(lmp);
-  if (clumps->n_body_all() > 0) lmp->error->all(FLERR, "place_clumps: there are clumps already; place them once, before the first run");
+  if (clumps->n_body_all() > 0) stop_with_error(lmp, "place_clumps: there are clumps already; place them once, before the first run");
   const ClumpShape shape = read_shape(lmp, narg, arg);
   const std::vector<Pose> bed = read_bed(lmp, arg[0]);
   const int first_body = clumps->n_body();
@@ -171,7 +172,7 @@ void place_clumps(LAMMPS *lmp, int narg, char **arg) {
   }
   MPI_Allreduce(&spheres, &spheres_all, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
   if (spheres_all != 2 * static_cast<bigint>(bed.size()))
-    lmp->error->all(FLERR, (std::string(arg[0]) + ": some clumps lie outside the simulated space; use a bed of this box").c_str());
+    stop_with_error(lmp, std::string(arg[0]) + ": some clumps lie outside the simulated space; use a bed of this box");
   Atom *atom = lmp->atom;
   atom->tag_extend();
   atom->natoms += spheres_all;
@@ -187,7 +188,7 @@ void place_clumps(LAMMPS *lmp, int narg, char **arg) {
 }
 
 void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 7 || strcmp(arg[0], "outside") != 0) lmp->error->all(FLERR, "delete_clumps: expects outside XLO XHI YLO YHI ZLO ZHI");
+  if (narg != 7 || strcmp(arg[0], "outside") != 0) stop_with_error(lmp, "delete_clumps: expects outside XLO XHI YLO YHI ZLO ZHI");
   double box[6];
   for (int n = 0; n < 6; n++) box[n] = lmp->force->numeric(FLERR, arg[1 + n]);
   FixMultisphere *clumps = clumps_of(lmp);
@@ -209,7 +210,7 @@ void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
 }
 
 void write_bed(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "write_bed: expects FILE");
+  if (narg != 1) stop_with_error(lmp, "write_bed: expects FILE");
   Multisphere &bodies = clumps_of(lmp)->data();
   std::vector<double> rows(8 * bodies.n_body());
   for (int b = 0; b < bodies.n_body(); b++) {
@@ -222,7 +223,7 @@ void write_bed(LAMMPS *lmp, int narg, char **arg) {
   std::vector<const double *> order;
   for (std::size_t n = 0; n < rows.size(); n += 8) order.push_back(&rows[n]);
   std::sort(order.begin(), order.end(), [](const double *a, const double *b) { return a[0] < b[0]; });
-  OutputFile file(lmp->error, arg[0]);
+  OutputFile file(lmp, arg[0]);
   fprintf(file.stream(), "%s\n", BED_HEADER);
   for (const double *row : order) {
     fprintf(file.stream(), "%d", static_cast<int>(row[0]));
@@ -233,7 +234,7 @@ void write_bed(LAMMPS *lmp, int narg, char **arg) {
 }
 
 void write_contacts(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "write_contacts: expects FILE");
+  if (narg != 1) stop_with_error(lmp, "write_contacts: expects FILE");
   FixMultisphere *clumps = find_clumps(lmp);
   const Atom *atom = lmp->atom;
   auto owner = [&](int i) { return clumps ? clumps->belongs_to(i) : atom->tag[i]; };
@@ -252,7 +253,7 @@ void write_contacts(LAMMPS *lmp, int narg, char **arg) {
   }
   rows = gather_rows(lmp, rows);
   if (lmp->comm->me != 0) return;
-  OutputFile file(lmp->error, arg[0]);
+  OutputFile file(lmp, arg[0]);
   fprintf(file.stream(), "clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding\n");
   for (std::size_t n = 0; n < rows.size(); n += width) {
     fprintf(file.stream(), "%d,%d", static_cast<int>(rows[n]), static_cast<int>(rows[n + 1]));

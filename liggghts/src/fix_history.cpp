@@ -4,6 +4,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "stop_with_error.h"
 #include "fix_load_control.h"
 #include "fix_stage.h"
 #include "force.h"
@@ -23,7 +24,7 @@ FixHistory::FixHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg),
   for (int n = 7; n < narg; n++) plates_.push_back(find_load(arg[n]));
   if (comm->me == 0) {
     file_ = fopen(path_.c_str(), append ? "a" : "w");
-    if (!file_) error->one(FLERR, (path_ + ": cannot be written; make the folder and check free space and permissions").c_str());
+    if (!file_) ballast::stop_with_error(lmp, path_ + ": cannot be written; make the folder and check free space and permissions");
     fseek(file_, 0, SEEK_END);
     if (ftell(file_) == 0) write_header();
   }
@@ -35,7 +36,7 @@ FixHistory::~FixHistory() {
 
 FixLoadControl *FixHistory::find_load(const char *id) const {
   FixLoadControl *load = dynamic_cast<FixLoadControl *>(modify->find_fix_id(id));
-  if (!load) error->all(FLERR, (std::string("fix ballast/history: ") + id + " is not a fix ballast/load; define it first").c_str());
+  if (!load) ballast::stop_with_error(lmp, std::string("fix ballast/history: ") + id + " is not a fix ballast/load; define it first");
   return load;
 }
 
@@ -65,7 +66,7 @@ void FixHistory::write_row() {
     for (const FixLoadControl *plate : plates_)
       fprintf(file_, ",%.17g,%.17g,%.17g", plate->stress(), plate->mean_stress(), 0.0 - plate->travel());
     fprintf(file_, "\n");
-    if (fflush(file_) != 0) error->one(FLERR, (path_ + ": cannot be written; free disk space and resume").c_str());
+    if (fflush(file_) != 0) ballast::stop_with_error(lmp, path_ + ": cannot be written; free disk space and resume");
   }
   sleeper_->start_row();
   for (FixLoadControl *plate : plates_) plate->start_row();

@@ -10,6 +10,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "stop_with_error.h"
 #include "fix_mesh_surface.h"
 #include "fix_stage.h"
 #include "force.h"
@@ -174,7 +175,7 @@ double FixLoadControl::compute_vector(int n) {
 }
 
 double FixLoadControl::number(int narg, char **arg, int index) const {
-  if (index >= narg) error->all(FLERR, (std::string("fix ") + id + ": a number is missing at the end").c_str());
+  if (index >= narg) ballast::stop_with_error(lmp, std::string("fix ") + id + ": a number is missing at the end");
   return force->numeric(FLERR, arg[index]);
 }
 

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "error.h"
+#include "stop_with_error.h"
 #include "force.h"
 #include "update.h"
 
@@ -55,9 +56,9 @@ void FixMultisphereDamped::calc_force(bool setup) {
 
 int FixMultisphereDamped::modify_param(int narg, char **arg) {
   if (strcmp(arg[0], "local_damping") != 0) return FixMultisphere::modify_param(narg, arg);
-  if (narg < 2) error->all(FLERR, "fix_modify local_damping: value missing; give a number from 0 to 1");
+  if (narg < 2) ballast::stop_with_error(lmp, "fix_modify local_damping: value missing; give a number from 0 to 1");
   local_damping_ = force->numeric(FLERR, arg[1]);
   if (local_damping_ < 0.0 || local_damping_ >= 1.0)
-    error->all(FLERR, "fix_modify local_damping: out of range; give a number from 0 to below 1");
+    ballast::stop_with_error(lmp, "fix_modify local_damping: out of range; give a number from 0 to below 1");
   return 2;
 }

@@ -4,6 +4,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "stop_with_error.h"
 #include "modify.h"
 #include "restart_state.h"
 #include "update.h"
@@ -22,7 +23,7 @@ FixStage::FixStage(LAMMPS *lmp, int narg, char **arg)
 
 FixStage *FixStage::find(LAMMPS *lmp) {
   FixStage *stage = dynamic_cast<FixStage *>(lmp->modify->find_fix_style("ballast/stage", 0));
-  if (!stage) lmp->error->all(FLERR, "no stage clock: the deck needs `fix ID all ballast/stage` first");
+  if (!stage) ballast::stop_with_error(lmp, "no stage clock: the deck needs `fix ID all ballast/stage` first");
   return stage;
 }
 

@@ -8,6 +8,7 @@ NORMAL_MODEL(BALLAST_HYSTERETIC, ballast/hysteretic, 41)
 #include "contact_models.h"
 #include "normal_model_base.h"
 #include "property_access.h"
+#include "stop_with_error.h"
 #include "update.h"
 
 namespace LIGGGHTS {
@@ -36,11 +37,11 @@ class NormalModel<BALLAST_HYSTERETIC> : public NormalModelBase {
     types_ = types + 1;
     const int mode = static_cast<int>(damping_mode_);
     if (mode != damping_mode_ || mode < 0 || mode > 2)
-      error->all(FLERR, "dampingMode: must be 0, 1 or 2; correct the fix property/global");
+      ballast::stop_with_error(lmp, "dampingMode: must be 0, 1 or 2; correct the fix property/global");
     for (int a = 1; a <= types; a++)
       for (int b = 1; b <= types; b++) {
         if (mode == 0 && restitution_[a][b] == 0.0)
-          error->all(FLERR, "nominalRestitution: 0 with dampingMode 0 is singular; give a restitution above 0 or another mode");
+          ballast::stop_with_error(lmp, "nominalRestitution: 0 with dampingMode 0 is singular; give a restitution above 0 or another mode");
         damping_[a * types_ + b] = ballast::damping_factor(restitution_[a][b], mode);
       }
   }

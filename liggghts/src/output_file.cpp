@@ -6,11 +6,12 @@
 #include <cerrno>
 
 #include "error.h"
+#include "stop_with_error.h"
 
 namespace ballast {
 
-OutputFile::OutputFile(LAMMPS_NS::Error *error, const std::string &path)
-    : error_(error), path_(path), partial_(path + ".partial"), stream_(fopen(partial_.c_str(), "w")) {
+OutputFile::OutputFile(LAMMPS_NS::LAMMPS *lmp, const std::string &path)
+    : lmp_(lmp), path_(path), partial_(path + ".partial"), stream_(fopen(partial_.c_str(), "w")) {
   if (!stream_) fail();
 }
 
@@ -26,7 +27,7 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail() const {
-  error_->one(FLERR, (path_ + ": cannot be written (" + strerror(errno) + "); free disk space or correct permissions, then resume").c_str());
+  stop_with_error(lmp_, path_ + ": cannot be written (" + strerror(errno) + "); free disk space or correct permissions, then resume");
 }
 
 }  // namespace ballast

@@ -6,14 +6,14 @@
 #include <string>
 
 namespace LAMMPS_NS {
-class Error;
+class LAMMPS;
 }
 
 namespace ballast {
 
 class OutputFile {
  public:
-  OutputFile(LAMMPS_NS::Error *error, const std::string &path);
+  OutputFile(LAMMPS_NS::LAMMPS *lmp, const std::string &path);
   ~OutputFile();
   FILE *stream() const { return stream_; }
   /// Close and give the file its name. Ends the run with one line if the disk is full.
@@ -22,7 +22,7 @@ class OutputFile {
  private:
   void fail() const;
 
-  LAMMPS_NS::Error *error_;
+  LAMMPS_NS::LAMMPS *lmp_;
   std::string path_, partial_;
   FILE *stream_;
 };

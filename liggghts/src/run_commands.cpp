@@ -13,6 +13,7 @@
 #include "comm.h"
 #include "commands.h"
 #include "error.h"
+#include "stop_with_error.h"
 #include "fix_bed_state.h"
 #include "fix_stage.h"
 #include "force.h"
@@ -41,9 +42,9 @@ void leave(LAMMPS *lmp, int status) {
 }  // namespace
 
 void write_state_row(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 2) lmp->error->all(FLERR, "write_state: expects FILE STAGE");
+  if (narg != 2) stop_with_error(lmp, "write_state: expects FILE STAGE");
   FixBedState *fix = dynamic_cast<FixBedState *>(lmp->modify->find_fix_style("ballast/state", 0));
-  if (!fix) lmp->error->all(FLERR, "write_state: the deck needs `fix ID all ballast/state` first");
+  if (!fix) stop_with_error(lmp, "write_state: the deck needs `fix ID all ballast/state` first");
   const FixStage *stage = FixStage::find(lmp);
   const BedState &s = fix->state();
   if (lmp->comm->me != 0) return;
@@ -60,7 +61,7 @@ void write_state_row(LAMMPS *lmp, int narg, char **arg) {
     written = fclose(file) == 0;
   }
   if (!written)
-    lmp->error->one(FLERR, (std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume").c_str());
+    stop_with_error(lmp, std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume");
 }
 
 namespace {
@@ -76,45 +77,45 @@ double free_space(const std::string &path) {
 }  // namespace
 
 void write_checkpoint(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "write_checkpoint: expects FILE");
+  if (narg != 1) stop_with_error(lmp, "write_checkpoint: expects FILE");
   const std::string path = arg[0], partial = path + ".partial";
-  lmp->input->one(("write_restart " + partial).c_str());
+  lmp->input->one(("write_restart " + partial));
   if (lmp->comm->me == 0) {
     // LIGGGHTS does not notice a full disk: what does not fit is silently missing
     const int descriptor = open(partial.c_str(), O_RDONLY);
     const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0 && free_space(path) >= SPACE_LEFT_BY_A_WHOLE_FILE;
     if (descriptor >= 0) close(descriptor);
     if (!on_disk || rename(partial.c_str(), path.c_str()) != 0)
-      lmp->error->one(FLERR, (path + ": cannot be written; free disk space or correct permissions, then resume").c_str());
+      stop_with_error(lmp, path + ": cannot be written; free disk space or correct permissions, then resume");
   }
   MPI_Barrier(lmp->world);
 }
 
 void stop_requested(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "stop_requested: expects the NAME of a variable");
+  if (narg != 1) stop_with_error(lmp, "stop_requested: expects the NAME of a variable");
   const int mine = stop_signal_came();
   int any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, lmp->world);
   const std::string line = std::string("variable ") + arg[0] + (any ? " equal 1" : " equal 0");
-  lmp->input->one(line.c_str());
+  lmp->input->one(line);
 }
 
 void end_run(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "end_run: expects an exit status");
+  if (narg != 1) stop_with_error(lmp, "end_run: expects an exit status");
   leave(lmp, lmp->force->inumeric(FLERR, arg[0]));
 }
 
 void fail(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 1) lmp->error->all(FLERR, "fail: expects one quoted text");
+  if (narg != 1) stop_with_error(lmp, "fail: expects one quoted text");
   // quoted text reaches a command with its variables still unresolved
   int room = static_cast<int>(strlen(arg[0])) + 1, room_copy = room;
   char *text = static_cast<char *>(malloc(room)), *copy = static_cast<char *>(malloc(room));
   strcpy(text, arg[0]);
   lmp->input->substitute(text, copy, room, room_copy, 0);
-  if (lmp->comm->me == 0) fprintf(stderr, "ERROR: %s\n", text);
+  const std::string resolved = text;
   free(text);
   free(copy);
-  leave(lmp, 1);
+  stop_with_error(lmp, resolved);
 }
 
 }  // namespace ballast
