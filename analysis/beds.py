@@ -19,13 +19,19 @@ def read_bed(path: Path) -> pd.DataFrame:
     try:
         bed = pd.read_csv(path)
     except (OSError, ValueError) as error:
-        raise ValueError(f"{path.name}: cannot be read as a bed ({error}); give a CSV with {','.join(tables.BED)}") from None
+        raise ValueError(
+            f"{path.name}: cannot be read as a bed ({error}); give a CSV with {','.join(tables.BED)}"
+        ) from None
     missing = [c for c in tables.BED if c not in bed]
     if missing:
         raise ValueError(f"{path.name}: column {missing[0]} is missing; a bed has {','.join(tables.BED)}")
     numbers = bed[list(tables.BED)].apply(pd.to_numeric, errors="coerce").to_numpy()
     if len(bed) == 0 or not np.isfinite(numbers).all():
-        bad = "no clumps" if len(bed) == 0 else f"a value that is no number for clump {bed['id'][~np.isfinite(numbers).all(axis=1)].iloc[0]}"
+        bad = (
+            "no clumps"
+            if len(bed) == 0
+            else f"a value that is no number for clump {bed['id'][~np.isfinite(numbers).all(axis=1)].iloc[0]}"
+        )
         raise ValueError(f"{path.name}: {bad}; give a bed with a finite pose for every clump")
     return bed[list(tables.BED)].sort_values("id", ignore_index=True)
 

@@ -1,8 +1,8 @@
 """From raw engine output to the normalised files of a run, cycle by cycle while the engine runs.
 
-The driver alone calls this. Everything written is a function of the raw files only, so that a repeated or resumed run gives the
-same files bit for bit. A kill at any moment is harmless: cycles.csv is written last in a cycle and says what is done; `rewind`
-cuts the other tables back to it.
+The driver alone calls this. Everything written is a function of the raw files only, so that a repeated or resumed run
+gives the same files bit for bit. A kill at any moment is harmless: cycles.csv is written last in a cycle and says what
+is done; `rewind` cuts the other tables back to it.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ class NormaliseError(ValueError):
 class Normaliser:
     """Writes the normalised files of one run folder.
 
-        normaliser = Normaliser(run_dir, scenario)
-        normaliser.before()                 # when preload has ended
-        normaliser.rewind(n)                # when cyclic loading starts from the checkpoint after n cycles (also n = 0)
-        if normaliser.ready(n):             # the engine has written all that belongs to cycle n
-            row = normaliser.cycle(n)       # in turn, n = 1, 2, ...; the new row of cycles.csv as a dict
-        normaliser.finish()                 # when the engine has ended, for whatever reason
+    normaliser = Normaliser(run_dir, scenario)
+    normaliser.before()                 # when preload has ended
+    normaliser.rewind(n)                # when cyclic loading starts from the checkpoint after n cycles (also n = 0)
+    if normaliser.ready(n):             # the engine has written all that belongs to cycle n
+        row = normaliser.cycle(n)       # in turn, n = 1, 2, ...; the new row of cycles.csv as a dict
+    normaliser.finish()                 # when the engine has ended, for whatever reason
     """
 
     def __init__(self, run_dir, scenario):
@@ -38,7 +38,9 @@ class Normaliser:
         self._clump = derived.clump(scenario)
         self._cycles = tables.CycleTable(self.folder / "cycles.csv", tables.CYCLES)
         self._history = tables.CycleTable(self.folder / "history.csv", tables.HISTORY, tables.short_cell)
-        self._microstructure = tables.CycleTable(self.folder / "microstructure.csv", tables.MICROSTRUCTURE, tables.short_cell)
+        self._microstructure = tables.CycleTable(
+            self.folder / "microstructure.csv", tables.MICROSTRUCTURE, tables.short_cell
+        )
         self._loading = GrowingCsv(self._raw / "cyclic.csv", tables.RAW_LOADING)
         self._state = GrowingCsv(self._raw / "state.csv", tables.RAW_STATE, only=("stage", "cyclic"))
         self._spheres = self._first_bed = self._done = None
@@ -46,19 +48,24 @@ class Normaliser:
     # ------------------------------------------------------------------ what the driver calls
 
     def before(self) -> None:
-        """Write bed_before.csv and row 0 of microstructure.csv; start the tables anew if the preloaded bed is another."""
+        """Write bed_before.csv and row 0 of microstructure.csv; start the tables anew if the bed is another."""
         self._begin(tables.EVERYTHING)
 
     def ready(self, n: int) -> bool:
         """True when the engine has written everything that belongs to cycle `n`."""
         step = n * self._grid.steps_per_cycle
-        return (self._bed(n).exists() and (not self._keeps(n) or self._contacts(n).exists())
-                and step in self._update(self._loading) and step in self._update(self._state))
+        return (
+            self._bed(n).exists()
+            and (not self._keeps(n) or self._contacts(n).exists())
+            and step in self._update(self._loading)
+            and step in self._update(self._state)
+        )
 
     def cycle(self, n: int) -> dict[str, float]:
         """Add cycle `n` to history.csv, microstructure.csv and cycles.csv; return the row of the latter.
 
-        A cycle that was done before is done again, and later ones are dropped. Deletes the bed of the cycle before, unless kept.
+        A cycle that was done before is done again, and later ones are dropped. Deletes the bed of the cycle before,
+        unless kept.
         """
         if self._done is None or n <= self._done:
             self._begin(n - 1)
@@ -69,14 +76,32 @@ class Normaliser:
         end = rows[-1]
         bed = self._read(beds.read_bed, self._bed(n))
         lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES]
-        structure = self._microstructure_row(n, bed, end["sleeper_displacement_m"],
-                                             [end[f"plate_{k}_displacement_m"] for k in tables.PLATES], lateral, self._state_row(n))
+        structure = self._microstructure_row(
+            n,
+            bed,
+            end["sleeper_displacement_m"],
+            [end[f"plate_{k}_displacement_m"] for k in tables.PLATES],
+            lateral,
+            self._state_row(n),
+        )
         mean_stress = [row["sleeper_stress_mean_Pa"] for row in rows]
-        row = dict(zip(tables.CYCLES, (
-            n, end["time_s"], end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-            rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"], *lateral,
-            *structure[1:4], min(mean_stress), max(mean_stress),
-            math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)), len(bed))))
+        row = dict(
+            zip(
+                tables.CYCLES,
+                (
+                    n,
+                    end["time_s"],
+                    end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+                    rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+                    *lateral,
+                    *structure[1:4],
+                    min(mean_stress),
+                    max(mean_stress),
+                    math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
+                    len(bed),
+                ),
+            )
+        )
 
         self._append_history([n])
         self._microstructure.append([structure])
@@ -97,7 +122,12 @@ class Normaliser:
         for path in [*self._raw.glob("bed_cycle_*.csv"), *self._raw.glob("contacts_cycle_*.csv")]:
             number = path.stem.rpartition("_")[2]
             later = number.isdigit() and int(number) > n
-            spent = number.isdigit() and path.name.startswith("bed") and int(number) < self._done and not self._keeps(int(number))
+            spent = (
+                number.isdigit()
+                and path.name.startswith("bed")
+                and int(number) < self._done
+                and not self._keeps(int(number))
+            )
             if later or spent:
                 path.unlink()
 
@@ -126,7 +156,9 @@ class Normaliser:
             tables.write_aside(target, text)
         if self._microstructure.last_cycle() is None:
             sleeper_down, plates_out = self._preloaded_places()
-            self._microstructure.append([self._microstructure_row(0, self._first_bed, sleeper_down, plates_out, [0.0] * 5, {})])
+            self._microstructure.append(
+                [self._microstructure_row(0, self._first_bed, sleeper_down, plates_out, [0.0] * 5, {})]
+            )
         if self._done == 0 or self._history.last_cycle() != self._done:
             self._history.rewind(-1)
             self._append_history(range(1, self._done + 1))
@@ -158,7 +190,9 @@ class Normaliser:
     def _row(self, step: int) -> list[str]:
         rows = self._loading.rows if step in self._loading.rows else self._update(self._loading)
         if step not in rows:
-            raise NormaliseError(f"raw/cyclic.csv: the row of step {step} is missing; go back to the checkpoint before it")
+            raise NormaliseError(
+                f"raw/cyclic.csv: the row of step {step} is missing; go back to the checkpoint before it"
+            )
         return rows[step]
 
     def _numbers(self, cells: list[str]) -> dict[str, float]:
@@ -167,20 +201,27 @@ class Normaliser:
         except ValueError:
             numbers = {}
         if not numbers or not all(map(math.isfinite, numbers.values())):
-            raise NormaliseError(f"raw/cyclic.csv: a value of step {cells[0]} is no number; the engine has diverged or the file is damaged")
+            raise NormaliseError(
+                f"raw/cyclic.csv: a value of step {cells[0]} is no number; the engine diverged or the file is damaged"
+            )
         return numbers
 
     def _rows(self, n: int) -> list[dict[str, float]]:
         """The rows of cycle `n`, from the first after its beginning to its end at minimum load."""
         end, spacing = n * self._grid.steps_per_cycle, self._grid.steps_per_row
         self._row(end)
-        return [self._numbers(self._row(step)) for step in range(end - self._grid.steps_per_cycle + spacing, end + 1, spacing)]
+        return [
+            self._numbers(self._row(step))
+            for step in range(end - self._grid.steps_per_cycle + spacing, end + 1, spacing)
+        ]
 
     def _state_row(self, n: int) -> dict[str, float]:
         step = n * self._grid.steps_per_cycle
         cells = self._update(self._state).get(step)
         if cells is None:
-            raise NormaliseError(f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it")
+            raise NormaliseError(
+                f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it"
+            )
         try:
             return {name: float(cell or "nan") for name, cell in zip(tables.RAW_STATE[1:], cells[1:])}
         except ValueError as error:
@@ -198,24 +239,40 @@ class Normaliser:
 
     def _append_history(self, cycles) -> None:
         zero = self._numbers(self._row(0)) if cycles else {}
-        self._history.append([self._history_row(raw, zero) for n in cycles for raw in ([zero] if n == 1 else []) + self._rows(n)])
+        self._history.append(
+            [self._history_row(raw, zero) for n in cycles for raw in ([zero] if n == 1 else []) + self._rows(n)]
+        )
 
     def _history_row(self, raw: dict[str, float], zero: dict[str, float]) -> list[float]:
-        return [raw["time_s"], raw["step"] / self._grid.steps_per_cycle, raw["sleeper_target_Pa"], raw["sleeper_stress_Pa"],
-                raw["sleeper_displacement_m"] - zero["sleeper_displacement_m"], self.scenario["preload.plate_stress"],
-                *(raw[f"plate_{k}_stress_Pa"] for k in tables.PLATES),
-                *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES)]
+        return [
+            raw["time_s"],
+            raw["step"] / self._grid.steps_per_cycle,
+            raw["sleeper_target_Pa"],
+            raw["sleeper_stress_Pa"],
+            raw["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+            self.scenario["preload.plate_stress"],
+            *(raw[f"plate_{k}_stress_Pa"] for k in tables.PLATES),
+            *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES),
+        ]
 
     def _microstructure_row(self, n, bed, sleeper_down, plates_out, lateral, state) -> list[float]:
         if self._spheres is None:
             self._spheres = porosity.MeasurementSpheres(self.scenario)
         centres = beds.sphere_centres(bed, self._clump.half_distance_m)
         porosities, error = self._spheres.measure(centres, sleeper_down, plates_out)
-        values = {"cycle": n, **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities)}, "porosity_error": error,
-                  "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
-                  **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),
-                  **microstructure.motion_measures(self._first_bed, bed, self._box, self.scenario["clump.ball_radius"]),
-                  **{name: state[name] for name in ("sliding_share", "at_limit_share", "kinetic_energy_J", "unbalanced_ratio") if name in state}}
+        values = {
+            "cycle": n,
+            **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities)},
+            "porosity_error": error,
+            "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
+            **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),
+            **microstructure.motion_measures(self._first_bed, bed, self._box, self.scenario["clump.ball_radius"]),
+            **{
+                name: state[name]
+                for name in ("sliding_share", "at_limit_share", "kinetic_energy_J", "unbalanced_ratio")
+                if name in state
+            },
+        }
         if self._contacts(n).exists():
             contacts = self._read(microstructure.read_contacts, self._contacts(n))
             values.update(microstructure.force_measures(contacts))

@@ -1,9 +1,9 @@
 """Porosity in the measurement spheres: share of a fixed point set that lies in no particle.
 
-All spheres of a bed have one radius, so the union of all clumps, overlaps counted once, is exactly the set of points closer
-than that radius to a sphere's centre. The points are the start of a Halton sequence: the same in every run, cycle and
-on every machine, so that changes of porosity are not blurred by the sampling. The stated standard error is the
-binomial one, sqrt(n (1 - n) / points), an upper bound for evenly spread points.
+All spheres of a bed have one radius, so the union of all clumps, overlaps counted once, is exactly the set of points
+closer than that radius to a sphere's centre. The points are the start of a Halton sequence: the same in every run,
+cycle and on every machine, so that changes of porosity are not blurred by the sampling. The stated standard error is
+the binomial one, sqrt(n (1 - n) / points), an upper bound for evenly spread points.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ POINTS = 250_000
 
 
 def solid(points: np.ndarray | cKDTree, centres: np.ndarray, radius: float) -> np.ndarray:
-    """True for every point, shape (n, 3), that is closer than `radius` to one of the `centres`, shape (m, 3); metres."""
+    """True for every point (shape (n, 3), m) that is closer than `radius` to one of the `centres` (shape (m, 3))."""
     tree = points if isinstance(points, cKDTree) else cKDTree(points)
     inside = np.zeros(tree.n, dtype=bool)
     if len(centres):
@@ -37,7 +37,7 @@ def porosity(inside: np.ndarray) -> tuple[float, float]:
 
 
 def sphere_points(centre, radius: float, low, high, count: int = POINTS) -> np.ndarray:
-    """`count` evenly spread points of the part of a sphere that lies in the box from `low` to `high`; metres, shape (count, 3).
+    """`count` evenly spread points (m) of the part of a sphere that lies in the box from `low` to `high`.
 
     The narrow box of a slice cuts the measurement sphere; what lies outside does not count as void.
     """
@@ -62,9 +62,14 @@ class MeasurementSpheres:
         self._box = derived.apparatus(scenario)
         self._clump_radius = derived.clump(scenario).radius_m
         low, high = np.zeros(3), np.array([self._box.length_m, self._box.width_m, self._box.height_m])
-        self._trees = [cKDTree(sphere_points(c, self._box.measurement_radius_m, low, high, count or POINTS),
-                               balanced_tree=False, compact_nodes=False)
-                       for c in self._box.measurement_centres_m]
+        self._trees = [
+            cKDTree(
+                sphere_points(c, self._box.measurement_radius_m, low, high, count or POINTS),
+                balanced_tree=False,
+                compact_nodes=False,
+            )
+            for c in self._box.measurement_centres_m
+        ]
 
     def measure(self, centres: np.ndarray, sleeper_down_m: float = 0.0, plates_out_m=()) -> tuple[list[float], float]:
         """Porosities of spheres 1 to 3 and the largest of their standard errors.
@@ -88,5 +93,7 @@ class MeasurementSpheres:
         hidden = (points[:, 2] > low[2] - sleeper_down_m) & (points[:, 1] > low[1]) & (points[:, 1] < high[1])
         for plate, out in zip(self._box.plates, plates_out_m):
             if out < 0:
-                hidden |= (points[:, 0] > plate.low[0] + out) & (points[:, 2] > plate.low[2]) & (points[:, 2] < plate.high[2])
+                hidden |= (
+                    (points[:, 0] > plate.low[0] + out) & (points[:, 2] > plate.low[2]) & (points[:, 2] < plate.high[2])
+                )
         return hidden

@@ -41,7 +41,7 @@ class GrowingCsv:
                 new = file.read()
         except FileNotFoundError:
             return self.rows
-        new = new[:new.rfind(b"\n") + 1]
+        new = new[: new.rfind(b"\n") + 1]
         self._offset += len(new)
         lines = new.decode("utf-8", "replace").splitlines()
         if self._order is None and lines:
@@ -49,8 +49,9 @@ class GrowingCsv:
             missing = [c for c in self.columns if c not in header]
             if missing:
                 self.forget()
-                raise ValueError(f"{self.path.name}: column {missing[0]} is missing; the engine must write "
-                                 + ",".join(self.columns))
+                raise ValueError(
+                    f"{self.path.name}: column {missing[0]} is missing; the engine must write " + ",".join(self.columns)
+                )
             self._order, self._width = [header.index(c) for c in self.columns], len(header)
         for line in lines:
             cells = line.split(",")

@@ -1,7 +1,7 @@
 """Runs as tidy data frames, whatever state their files are in.
 
-A damaged file costs what is damaged and one clear line per kind of damage; everything else stays usable. Nothing is guessed:
-a value that cannot be physics, or cannot be read, is nan; a row that cannot be placed is dropped.
+A damaged file costs what is damaged and one clear line per kind of damage; everything else stays usable. Nothing is
+guessed: a value that cannot be physics, or cannot be read, is nan; a row that cannot be placed is dropped.
 """
 
 from __future__ import annotations
@@ -26,15 +26,43 @@ from .schema import KEYS
 CODES = ("yade", "liggghts")
 IDENTITY = ("profile", "scenario", "code", "seed")
 
-_INFO_TYPES = {"scenario": str, "profile": str, "code": str, "scenario_hash": str, "title": str, "versions": dict, "command": str,
-               "seed": int, "bed": str, "git_commit": str, "git_dirty": bool, "host": str, "ranks": int, "threads": int,
-               "start": str, "end": (str, type(None)), "state": str, "reason": str, "stage": str, "steps": (int, dict),
-               "steps_per_second": dict, "clumps": (int, type(None)), "deviations": list, "resumes": list,
-               "heartbeat": (str, type(None)), "pid": (int, type(None))}
+_INFO_TYPES = {
+    "scenario": str,
+    "profile": str,
+    "code": str,
+    "scenario_hash": str,
+    "title": str,
+    "versions": dict,
+    "command": str,
+    "seed": int,
+    "bed": str,
+    "git_commit": str,
+    "git_dirty": bool,
+    "host": str,
+    "ranks": int,
+    "threads": int,
+    "start": str,
+    "end": (str, type(None)),
+    "state": str,
+    "reason": str,
+    "stage": str,
+    "steps": (int, dict),
+    "steps_per_second": dict,
+    "clumps": (int, type(None)),
+    "deviations": list,
+    "resumes": list,
+    "heartbeat": (str, type(None)),
+    "pid": (int, type(None)),
+}
 
 
-def load_runs(results_dir="results", profile: str | None = None, scenario: str | None = None, code: str | None = None,
-              quiet: bool = False) -> Runs:
+def load_runs(
+    results_dir="results",
+    profile: str | None = None,
+    scenario: str | None = None,
+    code: str | None = None,
+    quiet: bool = False,
+) -> Runs:
     """All runs below `results_dir` (also reference_data/runs), optionally of one profile, scenario or code.
 
     Every problem of a file is one line, kept in `problems` and printed to stderr unless `quiet`.
@@ -127,7 +155,7 @@ class Run:
         if path.exists():
             try:
                 return _checked(Scenario.from_json(path.read_text(encoding="utf-8")))
-            except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError) as error:
                 self._problem("scenario.json", f"is damaged ({_one_line(error)}); the scenario file is used instead")
         try:
             scenario = load_scenario(self.scenario_name, self.profile)
@@ -141,7 +169,10 @@ class Run:
             if candidate.hash == known:
                 return candidate
         if known:
-            self._problem("run.json", f"scenario_hash {known} is not that of today's scenario file: its parameters may differ from the run's")
+            self._problem(
+                "run.json",
+                f"scenario_hash {known} is not that of today's scenario file: its parameters may differ from the run's",
+            )
         return scenario
 
     def bed(self, label: str = "before") -> pd.DataFrame | None:
@@ -183,13 +214,18 @@ class Run:
             self._problem("run.json", "is missing; what the run was is taken from the folder's name")
             return {}
         except (OSError, ValueError, RecursionError) as error:
-            self._problem("run.json", f"is damaged ({_one_line(error)}); what the run was is taken from the folder's name")
+            self._problem(
+                "run.json", f"is damaged ({_one_line(error)}); what the run was is taken from the folder's name"
+            )
             return {}
         if not isinstance(info, dict):
             self._problem("run.json", "is no table; what the run was is taken from the folder's name")
             return {}
-        wrong = [key for key, kind in _INFO_TYPES.items() if key in info
-                 and (not isinstance(info[key], kind) or (kind is int and isinstance(info[key], bool)))]
+        wrong = [
+            key
+            for key, kind in _INFO_TYPES.items()
+            if key in info and (not isinstance(info[key], kind) or (kind is int and isinstance(info[key], bool)))
+        ]
         if wrong:
             self._problem("run.json", f"{', '.join(wrong)} of the wrong type: not used")
         return {key: value for key, value in info.items() if key not in wrong}
@@ -255,6 +291,7 @@ class Runs(list):
 
 # ---------------------------------------------------------------------- tables
 
+
 def empty_table(columns: Sequence[str]) -> pd.DataFrame:
     """A frame with these columns and no rows."""
     return pd.DataFrame({name: pd.Series(dtype="int64" if name == "cycle" else "float64") for name in columns})
@@ -268,7 +305,7 @@ def read_table(path: Path, columns: Sequence[str], whole: bool = True) -> tuple[
     problems: list[str] = []
     frame = _undamaged(path, columns)
     if frame is not None:
-        frame.index += 2                        # line numbers, for the messages
+        frame.index += 2  # line numbers, for the messages
         return _ordered(frame, whole, problems), problems
     text = _decode(path, problems)
     lines = text.split("\n")
@@ -290,14 +327,23 @@ def read_table(path: Path, columns: Sequence[str], whole: bool = True) -> tuple[
     numbers = np.array([k for k, line in enumerate(lines) if k and line.strip()], dtype=int)
     width = np.array([lines[k].count(",") + 1 for k in numbers], dtype=int) == len(header)
     if not width.all():
-        problems.append(f"{_count(~width, 'line')} with another number of values dropped, the first is line {numbers[~width][0] + 1}")
+        problems.append(
+            f"{_count(~width, 'line')} with another number of values dropped, "
+            f"the first is line {numbers[~width][0] + 1}"
+        )
     numbers = numbers[width]
     if len(numbers) == 0:
         return empty_table(columns), problems
-    cells = pd.read_csv(io.StringIO("\n".join(lines[k] for k in numbers)), header=None, dtype=str, keep_default_na=False,
-                        quoting=csv.QUOTE_NONE, skip_blank_lines=False)
+    cells = pd.read_csv(
+        io.StringIO("\n".join(lines[k] for k in numbers)),
+        header=None,
+        dtype=str,
+        keep_default_na=False,
+        quoting=csv.QUOTE_NONE,
+        skip_blank_lines=False,
+    )
     frame = pd.DataFrame({name: _numbers(cells[header.index(name)]) if name in header else np.nan for name in columns})
-    frame.index = numbers + 1                   # line numbers, for the messages
+    frame.index = numbers + 1  # line numbers, for the messages
     _drop_nonsense(frame, cells, header, problems)
     return _ordered(frame, whole, problems), problems
 
@@ -358,11 +404,15 @@ def _drop_nonsense(frame: pd.DataFrame, cells: pd.DataFrame, header: list[str], 
             absurd = (values < low) | (values > high)
         if unread.any():
             first = np.flatnonzero(unread)[0]
-            problems.append(f"{_count(unread, 'value')} of {name} no number: nan, the first in line {frame.index[first]}")
+            problems.append(
+                f"{_count(unread, 'value')} of {name} no number: nan, the first in line {frame.index[first]}"
+            )
         if absurd.any():
             first = np.flatnonzero(absurd)[0]
-            problems.append(f"{_count(absurd, 'value')} of {name} outside {low:g} to {high:g}: nan, the first is "
-                            f"{values[first]:g} in line {frame.index[first]}")
+            problems.append(
+                f"{_count(absurd, 'value')} of {name} outside {low:g} to {high:g}: nan, the first is "
+                f"{values[first]:g} in line {frame.index[first]}"
+            )
             values[absurd] = np.nan
             frame[name] = values
 
@@ -374,12 +424,16 @@ def _ordered(frame: pd.DataFrame, whole: bool, problems: list[str]) -> pd.DataFr
     if whole:
         good[good] = cycle[good] % 1 == 0
     if not good.all():
-        problems.append(f"{_count(~good, 'row')} without a usable cycle dropped, the first is line {frame.index[~good][0]}")
+        problems.append(
+            f"{_count(~good, 'row')} without a usable cycle dropped, the first is line {frame.index[~good][0]}"
+        )
         frame = frame[good]
     rising = _rising(frame["cycle"].to_numpy())
     if len(rising) < len(frame):
         out = np.setdiff1d(np.arange(len(frame)), rising)
-        problems.append(f"{_count(out, 'row', len(out))} whose cycle does not rise dropped, the first is line {frame.index[out[0]]}")
+        problems.append(
+            f"{_count(out, 'row', len(out))} whose cycle does not rise dropped, the first is line {frame.index[out[0]]}"
+        )
         frame = frame.iloc[rising]
     return frame.astype({"cycle": "int64"} if whole else {}).reset_index(drop=True)
 
@@ -391,7 +445,7 @@ def _rising(values: np.ndarray) -> np.ndarray:
     tails, tail_at, before = [], [], np.full(len(values), -1)
     for k, value in enumerate(values):
         place = bisect.bisect_left(tails, value)
-        tails[place:place + 1], tail_at[place:place + 1] = [value], [k]
+        tails[place : place + 1], tail_at[place : place + 1] = [value], [k]
         before[k] = tail_at[place - 1] if place else -1
     chain, k = [], tail_at[-1]
     while k >= 0:

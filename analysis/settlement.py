@@ -1,20 +1,20 @@
 """Laws of settlement against cycles, fitted and compared: does a curve have the exponential start?
 
 Laws, S settlement and N cycles:
-    exponential   S = a + b (1 - exp(-N / c)) + d N     an initial exponential part, then a line (the paper's description)
+    exponential   S = a + b (1 - exp(-N / c)) + d N     an exponential start, then a line (the paper's description)
     logarithm     S = a + b ln N
     power         S = a N^b
     line          S = a + b N
 
-Each is fitted by maximum likelihood. The scatter about the law is either the same in all cycles or proportional to the settlement,
-and has a memory of one cycle (first-order autoregressive): settlement accumulates, so what one cycle adds by chance stays. Without
-that memory a thousand smooth points would "prove" any law with enough parameters. The Bayesian information criterion (BIC) chooses
-law and scatter together. AICc does not serve here: the exponential law contains the line and, over 1000 cycles, AICc would take
-it for a noisy line in one case out of eight.
+Each is fitted by maximum likelihood. The scatter about the law is either the same in all cycles or proportional to the
+settlement, and has a memory of one cycle (first-order autoregressive): settlement accumulates, so what one cycle adds
+by chance stays. Without that memory a thousand smooth points would "prove" any law with enough parameters. The Bayesian
+information criterion (BIC) chooses law and scatter together. AICc does not serve here: the exponential law contains the
+line, and AICc would take it for a noisy line of 1000 cycles in one case out of five.
 
-All laws are linear in all parameters but one (c, or the power), so the fit is a search along that one with linear least squares inside: no starting values,
-no missed minima. Confidence intervals are those of the profile likelihood: all values of a parameter that some choice of the others makes likely
-enough; they need not be symmetric.
+All laws are linear in all parameters but one (c, or the power), so the fit is a search along that one with linear least
+squares inside: no starting values, no missed minima. Confidence intervals are those of the profile likelihood: all
+values of a parameter that some choice of the others makes likely enough; they need not be symmetric.
 """
 
 from __future__ import annotations
@@ -61,13 +61,23 @@ def _exponential_columns(n, c):
     return np.column_stack([np.ones_like(n), -np.expm1(-n / c), n])
 
 
-LAWS = {law.name: law for law in (
-    Law("exponential", "a + b (1 - exp(-N/c)) + d N", ("a", "b", "d", "c"), _exponential_columns,
-        "c", lambda n: (0.3, n.max()), logarithmic=True),
-    Law("logarithm", "a + b ln N", ("a", "b"), lambda n, _: np.column_stack([np.ones_like(n), np.log(n)])),
-    Law("power", "a N^b", ("a", "b"), lambda n, b: (n**b)[:, None], "b", lambda n: (-1.0, 3.0)),
-    Law("line", "a + b N", ("a", "b"), lambda n, _: np.column_stack([np.ones_like(n), n])),
-)}
+LAWS = {
+    law.name: law
+    for law in (
+        Law(
+            "exponential",
+            "a + b (1 - exp(-N/c)) + d N",
+            ("a", "b", "d", "c"),
+            _exponential_columns,
+            "c",
+            lambda n: (0.3, n.max()),
+            logarithmic=True,
+        ),
+        Law("logarithm", "a + b ln N", ("a", "b"), lambda n, _: np.column_stack([np.ones_like(n), np.log(n)])),
+        Law("power", "a N^b", ("a", "b"), lambda n, b: (n**b)[:, None], "b", lambda n: (-1.0, 3.0)),
+        Law("line", "a + b N", ("a", "b"), lambda n, _: np.column_stack([np.ones_like(n), n])),
+    )
+}
 
 
 @dataclass(frozen=True)
@@ -102,6 +112,7 @@ def evaluate(law: str, values: dict[str, float], n) -> np.ndarray:
 
 # ---------------------------------------------------------------------- one law
 
+
 def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "constant", level: float = 0.95) -> Fit:
     """Fit one law to settlements `s` (m) after `n` cycles (>= 1, rising).
 
@@ -113,7 +124,7 @@ def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "consta
         raise ValueError(f"{len(n)} cycles are too few for the law {law}: give at least {len(rule.parameters) + 2}")
     if not (np.isfinite(n).all() and np.isfinite(s).all() and (n >= 1).all() and (np.diff(n) > 0).all()):
         raise ValueError("cycles must rise from 1 and settlements be finite; drop rows that are not")
-    unit = np.std(s) or 1.0                     # in units of its own spread the problem is well scaled
+    unit = np.std(s) or 1.0  # in units of its own spread the problem is well scaled
     weight, memory = np.ones_like(s), 0.0
     for _ in range(8):
         problem = _Problem(rule, n, s / unit, weight, memory)
@@ -142,8 +153,9 @@ def _whiten(columns: np.ndarray, weight: np.ndarray, memory: float) -> np.ndarra
 def _memory(residual: np.ndarray) -> float:
     """Lag-one correlation of the residuals, 0 to COMPLETE.
 
-    What chance gives scatter without memory counts as 0, and what it gives a random walk about a fitted trend counts as complete
-    (the 5 % limit of Dickey and Fuller 1979 with trend): between walk and almost-walk lie most of the late slope's uncertainty.
+    What chance gives scatter without memory counts as 0, and what it gives a random walk about a fitted trend counts as
+    complete (the 5 % limit of Dickey and Fuller 1979 with trend): between walk and almost-walk lie most of the late
+    slope's uncertainty.
     """
     count = len(residual)
     r = float(np.sum(residual[1:] * residual[:-1]) / max(np.sum(residual**2), 1e-300))
@@ -161,10 +173,10 @@ class _Problem:
         self.low, self.high = (rule.scale(v) for v in rule.limits(n)) if rule.inner else (0.0, 0.0)
 
     def solve(self, x: float) -> tuple[float, np.ndarray, np.ndarray]:
-        """Sum of squares, linear parameters and the diagonal of their inverse normal matrix at `x` = scaled inner parameter."""
+        """Sum of squares, linear parameters and the diagonal of their inverse normal matrix at scaled inner `x`."""
         matrix = _whiten(self.rule.columns(self.n, self.rule.unscale(x)), self.weight, self.memory)
         size = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
-        matrix = matrix / size                  # columns of length 1: the normal equations are then good enough
+        matrix = matrix / size  # columns of length 1: the normal equations are then good enough
         inverse = np.linalg.inv(matrix.T @ matrix + 1e-14 * np.eye(len(size)))
         linear = inverse @ (matrix.T @ self._target)
         residual = self._target - matrix @ linear
@@ -181,7 +193,9 @@ class _Problem:
         grid = np.linspace(self.low, self.high, 21)
         sums = [self.sum(x) for x in grid]
         k = int(np.argmin(sums))
-        best = minimize_scalar(self.sum, method="bounded", bounds=(grid[max(k - 1, 0)], grid[min(k + 1, 20)]), options={"xatol": 1e-7})
+        best = minimize_scalar(
+            self.sum, method="bounded", bounds=(grid[max(k - 1, 0)], grid[min(k + 1, 20)]), options={"xatol": 1e-7}
+        )
         return float(best.x if best.fun <= sums[k] else grid[k])
 
     def accepted(self, x: float, allowed: float) -> tuple[float, float]:
@@ -222,16 +236,28 @@ def _describe(problem: _Problem, unit: float, scatter: str, level: float) -> Fit
         values[rule.inner] = rule.unscale(x)
     sized = {p: 1.0 if p == rule.inner else unit for p in sorted(values)}
     # -2 log likelihood; unknowns of the scatter: its size and, where there is any, its memory.
-    likelihood = (count * (np.log(2 * np.pi * max(total / count, 1e-300)) + 1) - 2 * np.sum(np.log(problem.weight))
-                  - np.log(1 - memory**2) + 2 * count * np.log(unit))
+    likelihood = (
+        count * (np.log(2 * np.pi * max(total / count, 1e-300)) + 1)
+        - 2 * np.sum(np.log(problem.weight))
+        - np.log(1 - memory**2)
+        + 2 * count * np.log(unit)
+    )
     bic = likelihood + (unknowns + 1 + (memory > 0)) * np.log(count)
-    return Fit(rule.name, {p: float(values[p] * f) for p, f in sized.items()},
-               {p: (float(ranges[p][0] * f), float(ranges[p][1] * f)) for p, f in sized.items()}, scatter,
-               float(np.sqrt(variance) * (unit if scatter == "constant" else 1.0)), memory, float(bic), (int(n[0]), int(n[-1])),
-               bool(rule.inner) and not problem.low + 1e-3 < x < problem.high - 1e-3)
+    return Fit(
+        rule.name,
+        {p: float(values[p] * f) for p, f in sized.items()},
+        {p: (float(ranges[p][0] * f), float(ranges[p][1] * f)) for p, f in sized.items()},
+        scatter,
+        float(np.sqrt(variance) * (unit if scatter == "constant" else 1.0)),
+        memory,
+        float(bic),
+        (int(n[0]), int(n[-1])),
+        bool(rule.inner) and not problem.low + 1e-3 < x < problem.high - 1e-3,
+    )
 
 
 # ---------------------------------------------------------------------- the choice between them
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -253,9 +279,12 @@ def choose(n: Sequence[float], s: Sequence[float], level: float = 0.95) -> Choic
     """Fit all laws to settlements `s` (m) after `n` cycles and choose by BIC; rows with nan are left out."""
     n, s = np.asarray(n, dtype=float), np.asarray(s, dtype=float)
     usable = np.isfinite(n) & np.isfinite(s) & (n >= 1)
-    n, s = n[usable], s[usable]
+    n, first = np.unique(n[usable], return_index=True)
+    s = s[usable][first]
     if len(n) < LEAST_CYCLES:
-        return Choice(None, reason=f"{len(n)} cycles are too few to tell the laws apart; it takes at least {LEAST_CYCLES}")
+        return Choice(
+            None, reason=f"{len(n)} cycles are too few to tell the laws apart; it takes at least {LEAST_CYCLES}"
+        )
     if np.ptp(s) == 0:
         return Choice(None, reason="the settlement does not change")
     fits = {}
@@ -273,20 +302,32 @@ def _verdict(best: str, fits: dict[str, Fit], differences: dict[str, float]) -> 
     first, last = exponential.cycles
     if best != "exponential":
         if differences["exponential"] < STRONG:
-            return "undecided", (f"S = {LAWS[best].formula} is best, but a start by exponential is hardly worse "
-                                 f"(BIC difference {differences['exponential']:.1f} over cycles {first} to {last})")
-        return "no", (f"S = {LAWS[best].formula} describes cycles {first} to {last} better than an exponential start "
-                      f"(BIC difference {differences['exponential']:.1f})")
+            return "undecided", (
+                f"S = {LAWS[best].formula} is best, but a start by exponential is hardly worse "
+                f"(BIC difference {differences['exponential']:.1f} over cycles {first} to {last})"
+            )
+        return "no", (
+            f"S = {LAWS[best].formula} describes cycles {first} to {last} better than an exponential start "
+            f"(BIC difference {differences['exponential']:.1f})"
+        )
     if differences[rival] < STRONG:
-        return "undecided", (f"an exponential start is best, but S = {LAWS[rival].formula} is hardly worse "
-                             f"(BIC difference {differences[rival]:.1f} over cycles {first} to {last})")
+        return "undecided", (
+            f"an exponential start is best, but S = {LAWS[rival].formula} is hardly worse "
+            f"(BIC difference {differences[rival]:.1f} over cycles {first} to {last})"
+        )
     b, c = exponential.values["b"], exponential.values["c"]
     if c > last / 3:
-        return "undecided", f"the curve bends, but the scale c = {c:.3g} cycles is not short against the {last} cycles at hand"
+        return "undecided", f"the curve bends, but the scale c = {c:.3g} cycles is not short against {last} cycles"
     if c < 1:
         return "undecided", f"the start is over within the first cycle (c = {c:.3g} cycles): a step, not a curve"
+    if b < 0:
+        return (
+            "no",
+            f"the exponential part is negative (b = {1e3 * b:.3g} mm): settlement starts slower than it goes on",
+        )
     if exponential.intervals["b"][0] <= 0:
-        return ("no", f"the exponential part is negative (b = {1e3 * b:.3g} mm): settlement starts slower than it goes on") if b < 0 else \
-            ("undecided", f"the exponential part b = {1e3 * b:.3g} mm is not distinguishable from 0")
-    return "yes", (f"an exponential start of {1e3 * b:.3g} mm with scale c = {c:.3g} cycles describes cycles {first} to {last} better than "
-                   f"S = {LAWS[rival].formula} (BIC difference {differences[rival]:.1f})")
+        return "undecided", f"the exponential part b = {1e3 * b:.3g} mm is not distinguishable from 0"
+    return "yes", (
+        f"an exponential start of {1e3 * b:.3g} mm with scale c = {c:.3g} cycles describes cycles {first} to {last} "
+        f"better than S = {LAWS[rival].formula} (BIC difference {differences[rival]:.1f})"
+    )

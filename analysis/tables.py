@@ -14,39 +14,123 @@ SPHERES = range(1, 4)
 EVERYTHING = float("inf")
 """The cycle up to which a table is kept when it is only to be repaired."""
 
-CYCLES = ("cycle", "time_s", "settlement_m", "settlement_peak_m", *(f"lateral_{k}_m" for k in PLATES),
-          *(f"porosity_{k}" for k in SPHERES),
-          "sleeper_stress_min_Pa", "sleeper_stress_max_Pa", "tracking_rms_Pa", "clumps")
+CYCLES = (
+    "cycle",
+    "time_s",
+    "settlement_m",
+    "settlement_peak_m",
+    *(f"lateral_{k}_m" for k in PLATES),
+    *(f"porosity_{k}" for k in SPHERES),
+    "sleeper_stress_min_Pa",
+    "sleeper_stress_max_Pa",
+    "tracking_rms_Pa",
+    "clumps",
+)
 
-HISTORY = ("time_s", "cycle", "sleeper_target_Pa", "sleeper_stress_Pa", "settlement_m", "plate_target_Pa",
-           *(f"plate_{k}_stress_Pa" for k in PLATES), *(f"lateral_{k}_m" for k in PLATES))
+HISTORY = (
+    "time_s",
+    "cycle",
+    "sleeper_target_Pa",
+    "sleeper_stress_Pa",
+    "settlement_m",
+    "plate_target_Pa",
+    *(f"plate_{k}_stress_Pa" for k in PLATES),
+    *(f"lateral_{k}_m" for k in PLATES),
+)
 
 # Contact columns (from normal_force_mean_N on) are empty in cycles whose contacts were not kept.
-MICROSTRUCTURE = ("cycle", *(f"porosity_{k}" for k in SPHERES), "porosity_error",
-                  "coordination_number", "neighbours_mean", "overlap_mean_m", "overlap_max_ratio",
-                  "rotation_mean_rad", "rotation_max_rad", "bulge_volume_m3", "shoulder_displacement_m",
-                  "downward_mean_m", "downward_under_sleeper_m", "crib_heave_m",
-                  "sliding_share", "at_limit_share", "kinetic_energy_J", "unbalanced_ratio",
-                  "normal_force_mean_N", "contact_anisotropy", "force_anisotropy", "fabric_xx", "fabric_yy",
-                  "fabric_zz", "force_chain_share", "force_chain_load_share")
+MICROSTRUCTURE = (
+    "cycle",
+    *(f"porosity_{k}" for k in SPHERES),
+    "porosity_error",
+    "coordination_number",
+    "neighbours_mean",
+    "overlap_mean_m",
+    "overlap_max_ratio",
+    "rotation_mean_rad",
+    "rotation_max_rad",
+    "bulge_volume_m3",
+    "shoulder_displacement_m",
+    "downward_mean_m",
+    "downward_under_sleeper_m",
+    "crib_heave_m",
+    "sliding_share",
+    "at_limit_share",
+    "kinetic_energy_J",
+    "unbalanced_ratio",
+    "normal_force_mean_N",
+    "contact_anisotropy",
+    "force_anisotropy",
+    "fabric_xx",
+    "fabric_yy",
+    "fabric_zz",
+    "force_chain_share",
+    "force_chain_load_share",
+)
 
 BED = ("id", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 
-CONTACTS = ("clump_1", "clump_2", "x_m", "y_m", "z_m", "nx", "ny", "nz",
-            "overlap_m", "normal_force_N", "shear_force_N", "sliding")
+CONTACTS = (
+    "clump_1",
+    "clump_2",
+    "x_m",
+    "y_m",
+    "z_m",
+    "nx",
+    "ny",
+    "nz",
+    "overlap_m",
+    "normal_force_N",
+    "shear_force_N",
+    "sliding",
+)
 
-RAW_LOADING = ("step", "time_s", "sleeper_target_Pa", "sleeper_stress_Pa", "sleeper_stress_mean_Pa",
-               "sleeper_error_ms_Pa2", "sleeper_displacement_m",
-               *(f"plate_{k}_{what}" for k in PLATES for what in ("stress_Pa", "stress_mean_Pa", "displacement_m")))
+RAW_LOADING = (
+    "step",
+    "time_s",
+    "sleeper_target_Pa",
+    "sleeper_stress_Pa",
+    "sleeper_stress_mean_Pa",
+    "sleeper_error_ms_Pa2",
+    "sleeper_displacement_m",
+    *(f"plate_{k}_{what}" for k in PLATES for what in ("stress_Pa", "stress_mean_Pa", "displacement_m")),
+)
 
-RAW_STATE = ("stage", "step", "time_s", "kinetic_energy_J", "unbalanced_ratio", "overlap_max_ratio", "overlap_mean_m",
-             "contacts", "clumps", "at_limit_share", "sliding_share")
+RAW_STATE = (
+    "stage",
+    "step",
+    "time_s",
+    "kinetic_energy_J",
+    "unbalanced_ratio",
+    "overlap_max_ratio",
+    "overlap_mean_m",
+    "contacts",
+    "clumps",
+    "at_limit_share",
+    "sliding_share",
+)
 
 # Values outside are not physics but damage: the readers replace them by nan and say so. Wide on purpose.
-_RANGES_BY_UNIT = {"_m": (-10.0, 10.0), "_m3": (-10.0, 10.0), "_Pa": (-1e9, 1e9), "_s": (0.0, 1e7), "_rad": (0.0, 3.2),
-                   "_N": (-1e8, 1e8), "_J": (0.0, 1e9), "_Pa2": (0.0, 1e18), "_share": (0.0, 1.0)}
-_RANGES_BY_NAME = {"cycle": (0.0, 1e8), "clumps": (0.0, 1e9), "step": (0.0, 1e15), "coordination_number": (0.0, 1e3),
-                   "neighbours_mean": (0.0, 1e3), "overlap_max_ratio": (0.0, 2.0), "unbalanced_ratio": (0.0, 1e12)}
+_RANGES_BY_UNIT = {
+    "_m": (-10.0, 10.0),
+    "_m3": (-10.0, 10.0),
+    "_Pa": (-1e9, 1e9),
+    "_s": (0.0, 1e7),
+    "_rad": (0.0, 3.2),
+    "_N": (-1e8, 1e8),
+    "_J": (0.0, 1e9),
+    "_Pa2": (0.0, 1e18),
+    "_share": (0.0, 1.0),
+}
+_RANGES_BY_NAME = {
+    "cycle": (0.0, 1e8),
+    "clumps": (0.0, 1e9),
+    "step": (0.0, 1e15),
+    "coordination_number": (0.0, 1e3),
+    "neighbours_mean": (0.0, 1e3),
+    "overlap_max_ratio": (0.0, 2.0),
+    "unbalanced_ratio": (0.0, 1e12),
+}
 
 
 def plausible_range(column: str) -> tuple[float, float]:
@@ -63,7 +147,11 @@ def cell(value) -> str:
     """A number as the tables hold it: the shortest text that reads back as the same double; nan is an empty cell."""
     if value != value:
         return ""
-    return str(int(value)) if isinstance(value, int) or float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
+    return (
+        str(int(value))
+        if isinstance(value, int) or float(value).is_integer() and abs(value) < 1e15
+        else repr(float(value))
+    )
 
 
 def short_cell(value) -> str:

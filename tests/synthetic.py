@@ -22,8 +22,9 @@ LAWS = {
     "line": lambda n, a, b: a + b * n,
 }
 DEFAULT_LAW = ("exponential", {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6})
-LATERAL_PROFILE = (0.5, 0.8, 1.0, 0.9, 0.6)     # lateral displacement of plates 1-5 over that of the largest
-STROKE_M, LOSS_ANGLE_RAD = 4e-3, 0.1            # resilient stroke and phase lag: loop = pi sigma_a A (stroke / 2) tan(lag)
+LATERAL_PROFILE = (0.5, 0.8, 1.0, 0.9, 0.6)  # lateral displacement of plates 1-5 over that of the largest
+# resilient stroke and phase lag: loop = pi sigma_a A (stroke / 2) tan(lag)
+STROKE_M, LOSS_ANGLE_RAD = 4e-3, 0.1
 
 
 def settlement(law, cycles) -> np.ndarray:
@@ -32,9 +33,25 @@ def settlement(law, cycles) -> np.ndarray:
     return LAWS[name](np.asarray(cycles, dtype=float), **parameters)
 
 
-def write_run(results_dir, profile="demo", scenario="linear-mu0.8", code="liggghts", cycles=20, seed=1, *,
-              law=DEFAULT_LAW, noise=0.0, lateral_m=5e-3, porosity=(0.345, 0.350, 0.360), porosity_change=(-0.01, -0.005, 0.01),
-              state="finished", rng=0, contacts=True, scenario_file=None, info=None) -> Path:
+def write_run(
+    results_dir,
+    profile="demo",
+    scenario="linear-mu0.8",
+    code="liggghts",
+    cycles=20,
+    seed=1,
+    *,
+    law=DEFAULT_LAW,
+    noise=0.0,
+    lateral_m=5e-3,
+    porosity=(0.345, 0.350, 0.360),
+    porosity_change=(-0.01, -0.005, 0.01),
+    state="finished",
+    rng=0,
+    contacts=True,
+    scenario_file=None,
+    info=None,
+) -> Path:
     """Write a complete normalised run folder and return its path.
 
     law         ("exponential" | "logarithm" | "power" | "line", {parameters in m and cycles})
@@ -82,8 +99,14 @@ def _bed(s, seed) -> pd.DataFrame:
 
 def _write_cycles(folder, s, n, minimum, lateral, porosities, clumps, generator) -> None:
     stress_min, stress_max = s["loading.stress_min"], s["loading.stress_max"]
-    table = pd.DataFrame({"cycle": n, "time_s": n / s["loading.frequency"], "settlement_m": minimum,
-                          "settlement_peak_m": minimum + STROKE_M})
+    table = pd.DataFrame(
+        {
+            "cycle": n,
+            "time_s": n / s["loading.frequency"],
+            "settlement_m": minimum,
+            "settlement_peak_m": minimum + STROKE_M,
+        }
+    )
     for k in tables.PLATES:
         table[f"lateral_{k}_m"] = lateral[:, k - 1]
     for k in tables.SPHERES:
@@ -98,14 +121,24 @@ def _write_cycles(folder, s, n, minimum, lateral, porosities, clumps, generator)
 def _write_history(folder, s, minimum, lateral) -> None:
     rows, cycles = s["output.rows_per_cycle"], len(minimum)
     cycle = np.arange(cycles * rows + 1) / rows
-    middle, amplitude = (s["loading.stress_max"] + s["loading.stress_min"]) / 2, (s["loading.stress_max"] - s["loading.stress_min"]) / 2
+    middle, amplitude = (
+        (s["loading.stress_max"] + s["loading.stress_min"]) / 2,
+        (s["loading.stress_max"] - s["loading.stress_min"]) / 2,
+    )
     target = middle - amplitude * np.cos(2 * np.pi * cycle)
     grid = np.arange(cycles + 1)
     # Loading leads displacement by the loss angle; stroke / 2 / cos(lag) makes peak minus minimum equal to the stroke.
     swing = STROKE_M / 2 * (1 - np.cos(2 * np.pi * cycle - LOSS_ANGLE_RAD) / np.cos(LOSS_ANGLE_RAD))
-    table = pd.DataFrame({"time_s": cycle / s["loading.frequency"], "cycle": cycle, "sleeper_target_Pa": target,
-                          "sleeper_stress_Pa": target, "settlement_m": np.interp(cycle, grid, np.r_[0, minimum]) + swing,
-                          "plate_target_Pa": s["preload.plate_stress"]})
+    table = pd.DataFrame(
+        {
+            "time_s": cycle / s["loading.frequency"],
+            "cycle": cycle,
+            "sleeper_target_Pa": target,
+            "sleeper_stress_Pa": target,
+            "settlement_m": np.interp(cycle, grid, np.r_[0, minimum]) + swing,
+            "plate_target_Pa": s["preload.plate_stress"],
+        }
+    )
     for k in tables.PLATES:
         table[f"plate_{k}_stress_Pa"] = s["preload.plate_stress"]
     for k in tables.PLATES:
@@ -122,13 +155,28 @@ def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> No
     table["porosity_error"] = 0.0009
     table["bulge_volume_m3"] = np.r_[0, lateral.sum(axis=1)] * area
     start_and_change = {
-        "coordination_number": (7.0, -0.5), "neighbours_mean": (6.0, -0.4), "overlap_mean_m": (2e-5, 1e-6),
-        "overlap_max_ratio": (0.02, 0.002), "rotation_mean_rad": (0.0, 0.2), "rotation_max_rad": (0.0, 1.5),
-        "shoulder_displacement_m": (0.0, 4e-3), "downward_mean_m": (0.0, 3e-3), "downward_under_sleeper_m": (0.0, 6e-3),
-        "crib_heave_m": (0.0, 1e-3), "sliding_share": (0.05, 0.05), "kinetic_energy_J": (1e-6, 1e-5),
-        "unbalanced_ratio": (1e-3, 5e-3), "normal_force_mean_N": (30.0, 5.0), "contact_anisotropy": (0.2, 0.3),
-        "force_anisotropy": (0.5, 0.4), "fabric_xx": (0.31, -0.01), "fabric_yy": (0.32, -0.01), "fabric_zz": (0.37, 0.02),
-        "force_chain_share": (0.36, 0.01), "force_chain_load_share": (0.7, 0.02)}
+        "coordination_number": (7.0, -0.5),
+        "neighbours_mean": (6.0, -0.4),
+        "overlap_mean_m": (2e-5, 1e-6),
+        "overlap_max_ratio": (0.02, 0.002),
+        "rotation_mean_rad": (0.0, 0.2),
+        "rotation_max_rad": (0.0, 1.5),
+        "shoulder_displacement_m": (0.0, 4e-3),
+        "downward_mean_m": (0.0, 3e-3),
+        "downward_under_sleeper_m": (0.0, 6e-3),
+        "crib_heave_m": (0.0, 1e-3),
+        "sliding_share": (0.05, 0.05),
+        "kinetic_energy_J": (1e-6, 1e-5),
+        "unbalanced_ratio": (1e-3, 5e-3),
+        "normal_force_mean_N": (30.0, 5.0),
+        "contact_anisotropy": (0.2, 0.3),
+        "force_anisotropy": (0.5, 0.4),
+        "fabric_xx": (0.31, -0.01),
+        "fabric_yy": (0.32, -0.01),
+        "fabric_zz": (0.37, 0.02),
+        "force_chain_share": (0.36, 0.01),
+        "force_chain_load_share": (0.7, 0.02),
+    }
     for column, (start, change) in start_and_change.items():
         table[column] = start + change * share
     table["at_limit_share"] = 0.0 if s["contact.model"] == "linear" else 0.1
@@ -151,21 +199,53 @@ def _write_contacts(path, bed, generator, count=2000) -> None:
 
 def _info(s, code, cycles, seed, state, clumps) -> dict:
     grid = derived.time_grid(s)
-    return {"scenario": s.name, "profile": s.profile, "code": code, "scenario_hash": s.hash, "title": s.title,
-            "versions": {"engine": "synthetic", "analysis": "0.1.0", "python": "3.11", "os": "none"},
-            "command": f"make run SCENARIO={s.name} CODE={code} PROFILE={s.profile} CYCLES={cycles} SEED={seed}",
-            "seed": seed, "bed": "own", "git_commit": "0" * 40, "git_dirty": False, "host": "nowhere", "ranks": 1,
-            "threads": 1, "start": "2026-01-01T00:00:00Z", "end": "2026-01-01T01:00:00Z", "state": state, "reason": "",
-            "stage": "cyclic", "steps": cycles * grid.steps_per_cycle, "steps_per_second": {"cyclic": 350.0},
-            "clumps": clumps, "deviations": [], "resumes": [], "heartbeat": "2026-01-01T01:00:00Z", "pid": 1}
+    return {
+        "scenario": s.name,
+        "profile": s.profile,
+        "code": code,
+        "scenario_hash": s.hash,
+        "title": s.title,
+        "versions": {"engine": "synthetic", "analysis": "0.1.0", "python": "3.11", "os": "none"},
+        "command": f"make run SCENARIO={s.name} CODE={code} PROFILE={s.profile} CYCLES={cycles} SEED={seed}",
+        "seed": seed,
+        "bed": "own",
+        "git_commit": "0" * 40,
+        "git_dirty": False,
+        "host": "nowhere",
+        "ranks": 1,
+        "threads": 1,
+        "start": "2026-01-01T00:00:00Z",
+        "end": "2026-01-01T01:00:00Z",
+        "state": state,
+        "reason": "",
+        "stage": "cyclic",
+        "steps": cycles * grid.steps_per_cycle,
+        "steps_per_second": {"cyclic": 350.0},
+        "clumps": clumps,
+        "deviations": [],
+        "resumes": [],
+        "heartbeat": "2026-01-01T01:00:00Z",
+        "pid": 1,
+    }
 
 
-def write_raw(results_dir, profile="demo", scenario="linear-mu0.8", code="liggghts", cycles=3, seed=1, *, law=DEFAULT_LAW,
-              lateral_m=5e-3, preload_down_m=2e-3, scenario_file=None) -> Path:
+def write_raw(
+    results_dir,
+    profile="demo",
+    scenario="linear-mu0.8",
+    code="liggghts",
+    cycles=3,
+    seed=1,
+    *,
+    law=DEFAULT_LAW,
+    lateral_m=5e-3,
+    preload_down_m=2e-3,
+    scenario_file=None,
+) -> Path:
     """Write the raw output that an engine leaves after `cycles` cycles (nothing normalised) and return the run folder.
 
-    The bed sinks by z / box height of the settlement and bulges by x / box length of the lateral displacement; sleeper and plates
-    are displaced by `preload_down_m` (outward: a tenth of it) before cyclic loading.
+    The bed sinks by z / box height of the settlement and bulges by x / box length of the lateral displacement; sleeper
+    and plates are displaced by `preload_down_m` (outward: a tenth of it) before cyclic loading.
     """
     options = {} if scenario_file is None else {"path": scenario_file}
     s = load_scenario(scenario, profile, cycles=cycles, **options)
@@ -180,13 +260,25 @@ def write_raw(results_dir, profile="demo", scenario="linear-mu0.8", code="ligggh
     rows = s["output.rows_per_cycle"]
     step = np.arange(cycles * rows + 1) * grid.steps_per_row
     cycle = np.arange(cycles * rows + 1) / rows
-    middle, amplitude = (s["loading.stress_max"] + s["loading.stress_min"]) / 2, (s["loading.stress_max"] - s["loading.stress_min"]) / 2
+    middle, amplitude = (
+        (s["loading.stress_max"] + s["loading.stress_min"]) / 2,
+        (s["loading.stress_max"] - s["loading.stress_min"]) / 2,
+    )
     target = middle - amplitude * np.cos(2 * np.pi * cycle)
     knots = np.arange(cycles + 1)
-    table = pd.DataFrame({"step": step, "time_s": step * grid.step_s, "sleeper_target_Pa": target, "sleeper_stress_Pa": 1.01 * target,
-                          "sleeper_stress_mean_Pa": target, "sleeper_error_ms_Pa2": 4e6,
-                          "sleeper_displacement_m": preload_down_m + np.interp(cycle, knots, np.r_[0, minimum])
-                          + STROKE_M / 2 * (1 - np.cos(2 * np.pi * cycle))})
+    table = pd.DataFrame(
+        {
+            "step": step,
+            "time_s": step * grid.step_s,
+            "sleeper_target_Pa": target,
+            "sleeper_stress_Pa": 1.01 * target,
+            "sleeper_stress_mean_Pa": target,
+            "sleeper_error_ms_Pa2": 4e6,
+            "sleeper_displacement_m": preload_down_m
+            + np.interp(cycle, knots, np.r_[0, minimum])
+            + STROKE_M / 2 * (1 - np.cos(2 * np.pi * cycle)),
+        }
+    )
     for k in tables.PLATES:
         table[f"plate_{k}_stress_Pa"] = table[f"plate_{k}_stress_mean_Pa"] = s["preload.plate_stress"] * (1 + 0.001 * k)
         table[f"plate_{k}_displacement_m"] = preload_down_m / 10 + np.interp(cycle, knots, np.r_[0, lateral[:, k - 1]])
@@ -197,9 +289,21 @@ def write_raw(results_dir, profile="demo", scenario="linear-mu0.8", code="ligggh
     preload[list(tables.RAW_LOADING)].to_csv(raw / "preload.csv", index=False)
 
     blocks = np.arange(1, cycles * s["output.blocks_per_cycle"] + 1) * grid.steps_per_block
-    state = pd.DataFrame({"stage": "cyclic", "step": blocks, "time_s": blocks * grid.step_s, "kinetic_energy_J": 1e-5,
-                          "unbalanced_ratio": 0.01, "overlap_max_ratio": 0.02, "overlap_mean_m": 1e-5, "contacts": 7 * len(bed) // 2,
-                          "clumps": len(bed), "at_limit_share": 0.0, "sliding_share": 0.1})
+    state = pd.DataFrame(
+        {
+            "stage": "cyclic",
+            "step": blocks,
+            "time_s": blocks * grid.step_s,
+            "kinetic_energy_J": 1e-5,
+            "unbalanced_ratio": 0.01,
+            "overlap_max_ratio": 0.02,
+            "overlap_mean_m": 1e-5,
+            "contacts": 7 * len(bed) // 2,
+            "clumps": len(bed),
+            "at_limit_share": 0.0,
+            "sliding_share": 0.1,
+        }
+    )
     packing = state.iloc[:2].assign(stage="packing")
     pd.concat([packing, state])[list(tables.RAW_STATE)].to_csv(raw / "state.csv", index=False)
 

@@ -15,7 +15,7 @@ from analysis.rawtail import GrowingCsv
 from analysis.scenario import Scenario
 
 CYCLES = 4
-FEW_POINTS = 3000       # of the porosity's point set: enough for what is tested here
+FEW_POINTS = 3000  # of the porosity's point set: enough for what is tested here
 FILES = ("cycles.csv", "history.csv", "microstructure.csv", "bed_before.csv", "bed_after.csv")
 
 
@@ -64,11 +64,14 @@ def content(folder):
 
 # ------------------------------------------------------------------ values
 
+
 def test_cycles_have_the_known_values(engine_output):
     folder = engine_output[1]
     s, table = scenario_of(folder), pd.read_csv(folder / "cycles.csv")
-    assert list(table) == ("cycle,time_s,settlement_m,settlement_peak_m,lateral_1_m,lateral_2_m,lateral_3_m,lateral_4_m,lateral_5_m,"
-                           "porosity_1,porosity_2,porosity_3,sleeper_stress_min_Pa,sleeper_stress_max_Pa,tracking_rms_Pa,clumps").split(",")
+    assert list(table) == (
+        "cycle,time_s,settlement_m,settlement_peak_m,lateral_1_m,lateral_2_m,lateral_3_m,lateral_4_m,lateral_5_m,"
+        "porosity_1,porosity_2,porosity_3,sleeper_stress_min_Pa,sleeper_stress_max_Pa,tracking_rms_Pa,clumps"
+    ).split(",")
     n = np.arange(1, CYCLES + 1)
     minimum = settlement(DEFAULT_LAW, n)
     assert list(table["cycle"]) == list(n)
@@ -77,7 +80,9 @@ def test_cycles_have_the_known_values(engine_output):
     # The peak lies half a cycle earlier, where the synthetic settlement is half way between the minima.
     assert table["settlement_peak_m"].to_numpy() == pytest.approx((np.r_[0, minimum[:-1]] + minimum) / 2 + STROKE_M)
     for k in tables.PLATES:
-        assert table[f"lateral_{k}_m"].to_numpy() == pytest.approx(5e-3 * LATERAL_PROFILE[k - 1] * minimum / minimum[-1])
+        assert table[f"lateral_{k}_m"].to_numpy() == pytest.approx(
+            5e-3 * LATERAL_PROFILE[k - 1] * minimum / minimum[-1]
+        )
     assert table["sleeper_stress_max_Pa"].to_numpy() == pytest.approx(460e3)
     assert table["sleeper_stress_min_Pa"].to_numpy() == pytest.approx(50e3)
     assert table["tracking_rms_Pa"].to_numpy() == pytest.approx(2000)
@@ -104,12 +109,20 @@ def test_microstructure_has_the_known_motion(engine_output):
     area = derived.apparatus(s).plate_area_m2
     assert table["bulge_volume_m3"].to_numpy() == pytest.approx(np.r_[0, lateral.sum(axis=1) * area], rel=1e-8)
     last = table.iloc[-1]
-    assert last["downward_mean_m"] == pytest.approx(settlement(DEFAULT_LAW, [CYCLES])[0] * before["z_m"].mean() / 0.475, rel=1e-6)
+    assert last["downward_mean_m"] == pytest.approx(
+        settlement(DEFAULT_LAW, [CYCLES])[0] * before["z_m"].mean() / 0.475, rel=1e-6
+    )
     near = before["x_m"][before["x_m"] > 0.8 - 2 * 0.0185]
     assert last["shoulder_displacement_m"] == pytest.approx(5e-3 * near.mean() / 0.8, rel=1e-6)
     assert last["rotation_max_rad"] == 0 and last["sliding_share"] == pytest.approx(0.1)
     assert table["porosity_error"].max() <= 0.5 / math.sqrt(FEW_POINTS)
-    assert table["normal_force_mean_N"].notna().tolist() == [True, True, False, False, True]   # cycles whose contacts are kept
+    assert table["normal_force_mean_N"].notna().tolist() == [
+        True,
+        True,
+        False,
+        False,
+        True,
+    ]  # cycles whose contacts are kept
 
 
 def test_porosity_is_the_same_in_both_tables(engine_output):
@@ -126,6 +139,7 @@ def test_beds_are_kept_as_asked(engine_output):
 
 
 # ------------------------------------------------------------------ repeated, killed, resumed
+
 
 def test_repeated_is_identical(run, expected):
     normalise_all(run)
@@ -279,19 +293,23 @@ def test_growing_file_is_read_in_pieces(tmp_path):
     table.drop_until(10, but=0)
     assert sorted(table.rows) == [0, 20]
     path.write_text("step,v\n0,9\n")
-    assert table.update() == {0: ["0", "9"]}              # the file was replaced by a shorter one
+    assert table.update() == {0: ["0", "9"]}  # the file was replaced by a shorter one
 
 
 # ------------------------------------------------------------------ damage gives one clear line
 
-@pytest.mark.parametrize("name, old, new, said", [
-    ("cyclic.csv", "sleeper_error_ms_Pa2", "error", "raw/cyclic.csv: column sleeper_error_ms_Pa2"),
-    ("state.csv", "sliding_share", "slide", "raw/state.csv: column sliding_share"),
-    ("bed_preloaded.csv", "qw", "q0", "raw/bed_preloaded.csv: column qw"),
-    ("bed_cycle_000001.csv", "0.0185", "nan", "raw/bed_cycle_000001.csv"),
-    ("cyclic.csv", "10009.999999999998", "nan", "no number"),
-    ("contacts_cycle_000001.csv", "overlap_m", "gap", "raw/contacts_cycle_000001.csv: column overlap_m"),
-])
+
+@pytest.mark.parametrize(
+    "name, old, new, said",
+    [
+        ("cyclic.csv", "sleeper_error_ms_Pa2", "error", "raw/cyclic.csv: column sleeper_error_ms_Pa2"),
+        ("state.csv", "sliding_share", "slide", "raw/state.csv: column sliding_share"),
+        ("bed_preloaded.csv", "qw", "q0", "raw/bed_preloaded.csv: column qw"),
+        ("bed_cycle_000001.csv", "0.0185", "nan", "raw/bed_cycle_000001.csv"),
+        ("cyclic.csv", "10009.999999999998", "nan", "no number"),
+        ("contacts_cycle_000001.csv", "overlap_m", "gap", "raw/contacts_cycle_000001.csv: column overlap_m"),
+    ],
+)
 def test_damaged_raw_output(run, name, old, new, said):
     path = run / "raw" / name
     path.write_text(path.read_text().replace(old, new))
@@ -320,6 +338,7 @@ def test_finish_before_anything_happened(tmp_path, run):
 
 # ------------------------------------------------------------------ microstructure against closed forms
 
+
 def test_rotation_angle_is_the_same_for_q_and_minus_q():
     generator = np.random.default_rng(5)
     angle = np.r_[0, 1e-9, 1e-4, generator.uniform(0, math.pi, 40), math.pi]
@@ -328,11 +347,15 @@ def test_rotation_angle_is_the_same_for_q_and_minus_q():
     turn = np.column_stack([np.cos(angle / 2), np.sin(angle / 2)[:, None] * axis])
     first = generator.standard_normal((len(angle), 4))
     first /= np.linalg.norm(first, axis=1)[:, None]
-    w, v = turn[:, :1] * first[:, :1] - np.sum(turn[:, 1:] * first[:, 1:], axis=1)[:, None], \
-        turn[:, :1] * first[:, 1:] + first[:, :1] * turn[:, 1:] + np.cross(turn[:, 1:], first[:, 1:])
+    w, v = (
+        turn[:, :1] * first[:, :1] - np.sum(turn[:, 1:] * first[:, 1:], axis=1)[:, None],
+        turn[:, :1] * first[:, 1:] + first[:, :1] * turn[:, 1:] + np.cross(turn[:, 1:], first[:, 1:]),
+    )
     for sign in (1, -1):
-        frames = [pd.DataFrame(np.column_stack([np.arange(len(q)), np.zeros((len(q), 3)), q]), columns=tables.BED)
-                  for q in (first, sign * np.column_stack([w, v]))]
+        frames = [
+            pd.DataFrame(np.column_stack([np.arange(len(q)), np.zeros((len(q), 3)), q]), columns=tables.BED)
+            for q in (first, sign * np.column_stack([w, v]))
+        ]
         assert microstructure.rotation_angles(*frames) == pytest.approx(angle, abs=1e-12, rel=1e-7)
 
 
@@ -352,9 +375,9 @@ def test_contacts_of_a_cubic_lattice():
     spacing = 2 * radius - 1e-5
     n = (6, 4, 4)
     grid = np.stack(np.meshgrid(*[np.arange(k) * spacing for k in n], indexing="ij"), axis=-1).reshape(-1, 3)
-    centres = grid + [radius - 1e-6, 0.2, radius - 2e-6]             # touches x = 0 and the floor, nothing else
+    centres = grid + [radius - 1e-6, 0.2, radius - 2e-6]  # touches x = 0 and the floor, nothing else
     order = np.lexsort((grid[:, 0] // (2 * spacing - 1e-9), grid[:, 2], grid[:, 1]))
-    centres = centres[order]                                         # neighbours along x pair up into clumps
+    centres = centres[order]  # neighbours along x pair up into clumps
     clumps = len(centres) // 2
     inside = clumps
     contacts = (n[0] - 1) * n[1] * n[2] + n[0] * (n[1] - 1) * n[2] + n[0] * n[1] * (n[2] - 1) - inside
@@ -370,14 +393,25 @@ def test_contacts_of_a_cubic_lattice():
 
 def scenario_from_values():
     from analysis.scenario import load_scenario
+
     return load_scenario("linear-mu0.8")
 
 
-@pytest.mark.parametrize("place, sleeper_down, plates_out, touching", [
-    ((0.4, 0.3, 0.30), 0.0, [0.0] * 5, 0), ((0.4, 0.3, 0.30), 0.006, [0.0] * 5, 1), ((0.4, 0.1, 0.34), 0.006, [0.0] * 5, 0),
-    ((0.779, 0.3, 0.03), 0.0, [0.0] * 5, 0), ((0.779, 0.3, 0.03), 0.0, [-0.002, 0, 0, 0, 0], 1),
-    ((0.785, 0.3, 0.0645), 0.0, [0.0] * 5, 2), ((0.785, 0.3, 0.0645), 0.0, [0.0, 0.01, 0, 0, 0], 1),
-    ((0.785, 0.02, 0.4), 0.0, [0.0] * 5, 1), ((0.785, 0.585, 0.4), 0.0, [0.0] * 5, 2), ((0.01, 0.01, 0.01), 0.0, [0.0] * 5, 3)])
+@pytest.mark.parametrize(
+    "place, sleeper_down, plates_out, touching",
+    [
+        ((0.4, 0.3, 0.30), 0.0, [0.0] * 5, 0),
+        ((0.4, 0.3, 0.30), 0.006, [0.0] * 5, 1),
+        ((0.4, 0.1, 0.34), 0.006, [0.0] * 5, 0),
+        ((0.779, 0.3, 0.03), 0.0, [0.0] * 5, 0),
+        ((0.779, 0.3, 0.03), 0.0, [-0.002, 0, 0, 0, 0], 1),
+        ((0.785, 0.3, 0.0645), 0.0, [0.0] * 5, 2),
+        ((0.785, 0.3, 0.0645), 0.0, [0.0, 0.01, 0, 0, 0], 1),
+        ((0.785, 0.02, 0.4), 0.0, [0.0] * 5, 1),
+        ((0.785, 0.585, 0.4), 0.0, [0.0] * 5, 2),
+        ((0.01, 0.01, 0.01), 0.0, [0.0] * 5, 3),
+    ],
+)
 def test_wall_contacts_follow_sleeper_and_plates(place, sleeper_down, plates_out, touching):
     box = derived.apparatus(scenario_from_values())
     overlaps = microstructure.wall_overlaps(np.array([place]), 0.02, box, sleeper_down, plates_out)
@@ -389,7 +423,7 @@ def test_fabric_returns_the_anisotropy_it_was_made_with():
     normals = generator.standard_normal((400_000, 3))
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     assert microstructure.anisotropy(microstructure.fabric(normals)) < 0.03
-    a = 0.6                                             # E(n) = (1 + a_ij n_i n_j) / (4 pi), a = diag(-a/2, -a/2, a)
+    a = 0.6  # E(n) = (1 + a_ij n_i n_j) / (4 pi), a = diag(-a/2, -a/2, a)
     density = 1 + a * (normals[:, 2] ** 2 - 0.5 * (normals[:, 0] ** 2 + normals[:, 1] ** 2))
     kept = normals[generator.uniform(0, 1 + a, len(normals)) < density]
     expected = math.sqrt(1.5 * (a * a + a * a / 2))
@@ -398,8 +432,14 @@ def test_fabric_returns_the_anisotropy_it_was_made_with():
 
 
 def test_force_measures_of_a_small_table():
-    contacts = pd.DataFrame([[1, 2, 0, 0, 0, 0, 0, 1, 1e-6, 30.0, 1.0, 1], [1, 3, 0, 0, 0, 1, 0, 0, 1e-6, 10.0, 1.0, 0],
-                             [2, 0, 0, 0, 0, 0, 0, -1, 1e-6, 500.0, 1.0, 1]], columns=tables.CONTACTS)
+    contacts = pd.DataFrame(
+        [
+            [1, 2, 0, 0, 0, 0, 0, 1, 1e-6, 30.0, 1.0, 1],
+            [1, 3, 0, 0, 0, 1, 0, 0, 1e-6, 10.0, 1.0, 0],
+            [2, 0, 0, 0, 0, 0, 0, -1, 1e-6, 500.0, 1.0, 1],
+        ],
+        columns=tables.CONTACTS,
+    )
     measures = microstructure.force_measures(contacts)
     assert measures["normal_force_mean_N"] == 20 and measures["fabric_zz"] == 0.5 and measures["fabric_yy"] == 0
     assert measures["force_chain_share"] == 0.5 and measures["force_chain_load_share"] == 0.75

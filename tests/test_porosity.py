@@ -9,13 +9,16 @@ import pytest
 from analysis import beds, derived, porosity, tables
 from analysis.scenario import load_scenario
 
-CUBIC = 1 - math.pi / 6                    # 0.4764
-HEXAGONAL = 1 - math.pi / (3 * math.sqrt(2))    # 0.2595
+CUBIC = 1 - math.pi / 6  # 0.4764
+HEXAGONAL = 1 - math.pi / (3 * math.sqrt(2))  # 0.2595
 
 
 def cubic_lattice(radius, low, high):
     """Touching spheres on a simple cubic lattice that fills the box and its surroundings."""
-    axes = [np.arange(math.floor(a / (2 * radius)) - 1, math.ceil(b / (2 * radius)) + 2) * 2 * radius for a, b in zip(low, high)]
+    axes = [
+        np.arange(math.floor(a / (2 * radius)) - 1, math.ceil(b / (2 * radius)) + 2) * 2 * radius
+        for a, b in zip(low, high)
+    ]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
@@ -25,7 +28,9 @@ def hexagonal_lattice(radius, half_size):
     i, j, k = np.meshgrid(*[np.arange(-n - 2, n + 3)] * 3, indexing="ij")
     j, i = j.ravel(), i.ravel()
     k = k.ravel()
-    return radius * np.column_stack([2 * i + (j % 2) + (k % 2), math.sqrt(3) * (j + (k % 2) / 3), 2 * math.sqrt(6) / 3 * k])
+    return radius * np.column_stack(
+        [2 * i + (j % 2) + (k % 2), math.sqrt(3) * (j + (k % 2) / 3), 2 * math.sqrt(6) / 3 * k]
+    )
 
 
 def unit_cell_void(centres, radius, corner, edges, count=200_000):
@@ -40,7 +45,7 @@ def test_simple_cubic_cell():
 
 
 def test_hexagonal_close_packing_cell():
-    cell = (2 * 0.5, 2 * math.sqrt(3) * 0.5, 4 * math.sqrt(6) / 3 * 0.5)    # orthogonal cell of four spheres
+    cell = (2 * 0.5, 2 * math.sqrt(3) * 0.5, 4 * math.sqrt(6) / 3 * 0.5)  # orthogonal cell of four spheres
     value, _ = unit_cell_void(hexagonal_lattice(0.5, 3), 0.5, (-0.4, -0.2, -0.3), cell)
     assert value == pytest.approx(HEXAGONAL, abs=0.001)
 
@@ -63,8 +68,15 @@ def test_overlapping_pair_counts_its_lens_once(aspect):
 
 def test_sphere_axis_follows_the_quaternion():
     half = math.sqrt(0.5)
-    bed = pd.DataFrame([[1, 0, 0, 0, 1, 0, 0, 0], [2, 0, 0, 0, half, 0, half, 0], [3, 0, 0, 0, half, half, 0, 0],
-                        [4, 0, 0, 0, half, 0, 0, half]], columns=tables.BED)
+    bed = pd.DataFrame(
+        [
+            [1, 0, 0, 0, 1, 0, 0, 0],
+            [2, 0, 0, 0, half, 0, half, 0],
+            [3, 0, 0, 0, half, half, 0, 0],
+            [4, 0, 0, 0, half, 0, 0, half],
+        ],
+        columns=tables.BED,
+    )
     assert np.allclose(beds.axes(bed), [[0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, 1]])
 
 
@@ -81,12 +93,15 @@ def test_measurement_spheres_on_a_cubic_lattice(profile):
 
 
 def test_error_is_an_upper_bound_of_the_scatter():
-    """Random shifts of a random bed under the fixed points: the measured porosity scatters less than the stated error."""
+    """Random shifts of a random bed under the fixed points: the measured porosity scatters less than the stated
+    error."""
     generator = np.random.default_rng(3)
     centres, radius = generator.uniform(0, 1, (900, 3)), 0.055
     points = porosity.sphere_points((0.5, 0.5, 0.5), 0.4, (0, 0, 0), (1, 1, 1), 20_000)
     rotations = [np.linalg.qr(generator.standard_normal((3, 3)))[0] for _ in range(20)]
-    values, errors = zip(*[porosity.porosity(porosity.solid((points - 0.5) @ q + 0.5, centres, radius)) for q in rotations])
+    values, errors = zip(
+        *[porosity.porosity(porosity.solid((points - 0.5) @ q + 0.5, centres, radius)) for q in rotations]
+    )
     assert np.std(values) < np.mean(errors)
 
 
@@ -102,7 +117,7 @@ def test_inside_of_sleeper_and_plates_is_not_void():
     s = load_scenario("linear-mu0.8")
     spheres, radius = porosity.MeasurementSpheres(s, 40_000), derived.clump(s).radius_m
     below = cubic_lattice(radius, (0, 0, 0), (0.8, 0.6, 0.20))
-    below = below[below[:, 2] < 0.22]                      # nothing above: void up to the sleeper
+    below = below[below[:, 2] < 0.22]  # nothing above: void up to the sleeper
     high, _ = spheres.measure(below)
     low, _ = spheres.measure(below, sleeper_down_m=0.325 - 0.22 + 0.0325)
     assert all(b < a - 0.02 for a, b in zip(high, low))
@@ -118,8 +133,12 @@ def test_empty_bed_and_sphere_outside_the_box():
 
 def test_bed_file_errors_are_one_line(tmp_path):
     good = "id,x_m,y_m,z_m,qw,qx,qy,qz\n2,1,1,1,1,0,0,0\n1,0,0,0,1,0,0,0\n"
-    for name, text, said in (("a.csv", good.replace("qz\n", "q\n"), "column qz"), ("b.csv", good.replace("0,0,0,1", "0,x,0,1"), "no number"),
-                             ("c.csv", "id,x_m,y_m,z_m,qw,qx,qy,qz\n", "no clumps"), ("d.csv", "", "cannot be read")):
+    for name, text, said in (
+        ("a.csv", good.replace("qz\n", "q\n"), "column qz"),
+        ("b.csv", good.replace("0,0,0,1", "0,x,0,1"), "no number"),
+        ("c.csv", "id,x_m,y_m,z_m,qw,qx,qy,qz\n", "no clumps"),
+        ("d.csv", "", "cannot be read"),
+    ):
         (tmp_path / name).write_text(text)
         with pytest.raises(ValueError, match=said) as caught:
             beds.read_bed(tmp_path / name)

@@ -21,7 +21,19 @@ def results(tmp_path_factory):
     for seed in (1, 2, 3):
         write_run(folder, "demo", "linear-mu0.8", "liggghts", CYCLES, seed, noise=0.01, rng=1, contacts=False)
     for seed in (1, 2):
-        write_run(folder, "demo", "linear-mu0.8", "yade", CYCLES + 20, seed, noise=0.01, rng=2, law=law, lateral_m=6e-3, contacts=False)
+        write_run(
+            folder,
+            "demo",
+            "linear-mu0.8",
+            "yade",
+            CYCLES + 20,
+            seed,
+            noise=0.01,
+            rng=2,
+            law=law,
+            lateral_m=6e-3,
+            contacts=False,
+        )
     write_run(folder, "demo", "nonlinear-en1.0", "liggghts", 6, contacts=False)
     return folder
 
@@ -49,15 +61,17 @@ def value(table, quantity, cycle=None):
 
 # ------------------------------------------------------------------ one run
 
+
 def test_stroke_stiffness_and_loop(run):
     table = quantities.per_cycle(run)
     area = derived.apparatus(run.scenario).sleeper_area_m2
     assert list(table) == list(quantities.PER_CYCLE) and len(table) == CYCLES
     assert table["resilient_stroke_m"].to_numpy() == pytest.approx(STROKE_M)
     assert table["secant_stiffness_N_m"].to_numpy() == pytest.approx(area * 410e3 / STROKE_M, rel=0.02)
-    # Of a cycle that adds nothing the work is the ellipse: pi x amplitude of the load x that of the lagging displacement.
+    # Of a cycle that adds nothing the work is the ellipse: pi x amplitude of the load x that of the lagging
+    # displacement.
     loop = math.pi * 205e3 * area * STROKE_M / 2 * math.tan(LOSS_ANGLE_RAD)
-    permanent = area * 255e3 * table["settlement_increment_m"]      # the mean load does the rest
+    permanent = area * 255e3 * table["settlement_increment_m"]  # the mean load does the rest
     assert table["loop_energy_J"].to_numpy() == pytest.approx(loop + permanent.to_numpy(), rel=0.01)
     assert table["porosity_spread"].iloc[-1] == pytest.approx(0.035)
 
@@ -107,15 +121,21 @@ def test_late_slope_and_its_interval(run):
         slope, low, high = quantities.late_slope(n, curve)
         assert low < slope < high and high - low < 2e-7
         held += low <= 2e-6 <= high
-    assert held >= 15           # 0.95 each: fewer would happen once in 3000 times
+    assert held >= 15  # 0.95 each: fewer would happen once in 3000 times
     assert quantities.late_slope(n, curve, first=1, last=20)[0] > 1e-4
     assert all(map(math.isnan, quantities.late_slope(n[:12], curve[:12])))
     assert all(map(math.isnan, quantities.late_slope([], [])))
 
 
-@pytest.mark.parametrize("porosities, error, text", [
-    ((0.34, 0.35, 0.36), 0.0009, "1 < 2 < 3"), ((0.36, 0.35, 0.34), 0.0009, "3 < 2 < 1"), ((0.35, 0.351, 0.36), 0.0009, "1 ~ 2 < 3"),
-    ((0.35, math.nan, 0.36), 0.0009, "")])
+@pytest.mark.parametrize(
+    "porosities, error, text",
+    [
+        ((0.34, 0.35, 0.36), 0.0009, "1 < 2 < 3"),
+        ((0.36, 0.35, 0.34), 0.0009, "3 < 2 < 1"),
+        ((0.35, 0.351, 0.36), 0.0009, "1 ~ 2 < 3"),
+        ((0.35, math.nan, 0.36), 0.0009, ""),
+    ],
+)
 def test_porosity_order(porosities, error, text):
     assert quantities.porosity_order(porosities, error) == text
 
@@ -157,10 +177,11 @@ def test_nothing_needs_the_scenario(results):
 
 # ------------------------------------------------------------------ code against code
 
+
 def test_agreement_returns_the_known_differences(runs):
     table = compare.agreement(runs)
-    assert set(table["scenario"]) == {"linear-mu0.8"}                    # the other one has run in one code only
-    assert sorted(table["cycle"].unique()) == [0, 1, 10, 100, CYCLES]     # the last that all runs have
+    assert set(table["scenario"]) == {"linear-mu0.8"}  # the other one has run in one code only
+    assert sorted(table["cycle"].unique()) == [0, 1, 10, 100, CYCLES]  # the last that all runs have
     row = value(table, "settlement_m", 100)
     assert (row["yade_seeds"], row["liggghts_seeds"]) == (2, 3)
     assert row["ratio"] == pytest.approx(1 / 1.1, rel=0.03) and row["difference"] < 0
@@ -197,7 +218,7 @@ def test_agreement_of_nothing():
 def test_lateral_shapes(runs):
     table = compare.lateral_agreement(runs)
     assert table["cycle"].tolist() == [1, 10, 100, CYCLES]
-    assert table["correlation"].to_numpy() == pytest.approx(1)          # the same profile in both codes
+    assert table["correlation"].to_numpy() == pytest.approx(1)  # the same profile in both codes
     last = table.iloc[-1]
     scale = 6 * settlement(DEFAULT_LAW, [CYCLES])[0] / settlement(DEFAULT_LAW, [CYCLES + 20])[0] - 5
     assert last["rms_m"] == pytest.approx(1e-3 * scale * np.sqrt(np.mean(np.square(LATERAL_PROFILE))), rel=1e-6)
@@ -209,10 +230,13 @@ def test_seed_bands(runs):
     assert len(liggghts) == CYCLES and (liggghts["seeds"] == 3).all()
     one = runs.cycles[(runs.cycles["code"] == "liggghts") & (runs.cycles["cycle"] == 50)]["settlement_m"]
     row = liggghts[liggghts["cycle"] == 50].iloc[0]
-    assert [row["settlement_m_low"], row["settlement_m_mean"], row["settlement_m_high"]] == pytest.approx([one.min(), one.mean(), one.max()])
+    assert [row["settlement_m_low"], row["settlement_m_mean"], row["settlement_m_high"]] == pytest.approx(
+        [one.min(), one.mean(), one.max()]
+    )
 
 
 # ------------------------------------------------------------------ run against reference
+
 
 def test_reference_that_is_shifted():
     """A constant shift, as the paper claims: nothing is left of the difference once it is removed."""
@@ -221,7 +245,9 @@ def test_reference_that_is_shifted():
     result = compare.against_reference(n, ours, at, ours[at - 1] - 2e-3, 1e-3)
     assert result.points == 7 and result.shift_m == pytest.approx(2e-3) and result.rms_m == pytest.approx(2e-3)
     assert result.rms_shifted_m == pytest.approx(0, abs=1e-12)
-    assert result.late_slope_ratio == pytest.approx(1) and result.first_cycle_ratio == pytest.approx(ours[0] / (ours[0] - 2e-3))
+    assert result.late_slope_ratio == pytest.approx(1) and result.first_cycle_ratio == pytest.approx(
+        ours[0] / (ours[0] - 2e-3)
+    )
     assert (result.within_error, result.within_error_shifted) == (0, 1)
 
 
@@ -244,9 +270,23 @@ def test_reference_beyond_the_run_does_not_count():
 
 def test_reference_table_pairs_scenarios(runs):
     rows = []
-    for source, curve, scenario in (("experiment", "test", math.nan), ("paper", "linear", "linear-mu0.8"), ("paper", "nonlinear", "nonlinear-en1.0")):
+    for source, curve, scenario in (
+        ("experiment", "test", math.nan),
+        ("paper", "linear", "linear-mu0.8"),
+        ("paper", "nonlinear", "nonlinear-en1.0"),
+    ):
         for n in (1, 3, 5, 6):
-            rows.append({"source": source, "curve": curve, "scenario": scenario, "quantity": "settlement", "cycle": n, "value": 1e-3 * n, "error": 1e-4})
+            rows.append(
+                {
+                    "source": source,
+                    "curve": curve,
+                    "scenario": scenario,
+                    "quantity": "settlement",
+                    "cycle": n,
+                    "value": 1e-3 * n,
+                    "error": 1e-4,
+                }
+            )
     table = compare.reference_table(runs, References(pd.DataFrame(rows), pd.DataFrame()))
     counts = table.groupby(["source", "curve"]).size().to_dict()
     assert counts == {("experiment", "test"): 6, ("paper", "linear"): 5, ("paper", "nonlinear"): 1}

@@ -13,10 +13,10 @@ import pytest
 from synthetic import write_run
 
 import analysis.readers
-from analysis import load_runs, tables
-from analysis.readers import read_table
+from analysis import load_runs, quantities, tables
+from analysis.readers import Run, read_table
 
-CASES = 400
+CASES = 240
 TABLES = {"cycles.csv": tables.CYCLES, "history.csv": tables.HISTORY, "microstructure.csv": tables.MICROSTRUCTURE}
 FILES = (*TABLES, "run.json", "scenario.json", "bed_before.csv", "bed_after.csv", "raw/contacts_cycle_000005.csv")
 
@@ -44,8 +44,9 @@ def load_one(results, capsys=None):
 
 # ------------------------------------------------------------------ random damage
 
+
 def truncate(content, generator):
-    return content[:generator.randrange(len(content) + 1)]
+    return content[: generator.randrange(len(content) + 1)]
 
 
 def flip_bytes(content, generator):
@@ -57,13 +58,17 @@ def flip_bytes(content, generator):
 
 def insert_garbage(content, generator):
     at = generator.randrange(len(content) + 1)
-    return content[:at] + generator.choice((b"\0" * 50, b",,,", b"\n\n\n", b'"', b"1e999", b"\xff\xfe", b"#", "µ".encode("latin-1"))) + content[at:]
+    return (
+        content[:at]
+        + generator.choice((b"\0" * 50, b",,,", b"\n\n\n", b'"', b"1e999", b"\xff\xfe", b"#", "µ".encode("latin-1")))
+        + content[at:]
+    )
 
 
 def drop_column(content, generator):
     rows = [line.split(b",") for line in content.split(b"\n")]
     column = generator.randrange(len(rows[0]))
-    return b"\n".join(b",".join(row[:column] + row[column + 1:]) for row in rows)
+    return b"\n".join(b",".join(row[:column] + row[column + 1 :]) for row in rows)
 
 
 def drop_header(content, generator):
@@ -73,7 +78,7 @@ def drop_header(content, generator):
 def repeat_lines(content, generator):
     lines = content.splitlines(keepends=True)
     at = generator.randrange(len(lines))
-    return b"".join(lines[:at] + lines[max(0, at - 3):])
+    return b"".join(lines[:at] + lines[max(0, at - 3) :])
 
 
 def shuffle_lines(content, generator):
@@ -85,14 +90,23 @@ def shuffle_lines(content, generator):
 def absurd_value(content, generator):
     lines = [line.split(b",") for line in content.splitlines()]
     row = generator.choice(lines[1:] or lines)
-    row[generator.randrange(len(row))] = generator.choice((b"1e300", b"-1e300", b"inf", b"nan", b"-9999", b"abc", b"", b"0x10", b"1_0", b"true"))
+    row[generator.randrange(len(row))] = generator.choice(
+        (b"1e300", b"-1e300", b"inf", b"nan", b"-9999", b"abc", b"", b"0x10", b"1_0", b"true")
+    )
     return b"\n".join(map(b",".join, lines)) + b"\n"
 
 
 def other_encoding(content, generator):
     text = content.decode("latin-1")
-    return generator.choice((text.encode("utf-16"), codecs.BOM_UTF8 + content, content.replace(b"\n", b"\r\n"),
-                             text.encode("utf-32"), content.replace(b"\n", b"\r")))
+    return generator.choice(
+        (
+            text.encode("utf-16"),
+            codecs.BOM_UTF8 + content,
+            content.replace(b"\n", b"\r\n"),
+            text.encode("utf-32"),
+            content.replace(b"\n", b"\r"),
+        )
+    )
 
 
 def empty(content, generator):
@@ -110,17 +124,31 @@ def other_types(content, generator):
     return json.dumps(body).encode()
 
 
-DAMAGES = (truncate, flip_bytes, insert_garbage, drop_column, drop_header, repeat_lines, shuffle_lines, absurd_value,
-           other_encoding, empty, other_types)
+DAMAGES = (
+    truncate,
+    flip_bytes,
+    insert_garbage,
+    drop_column,
+    drop_header,
+    repeat_lines,
+    shuffle_lines,
+    absurd_value,
+    other_encoding,
+    empty,
+    other_types,
+)
 
 
 @pytest.mark.parametrize("block", range(8))
 def test_random_damage(original, tmp_path, block):
-    """Each case damages one or two files of one run in one or two ways; the run beside it must not notice."""
+    """Each case damages one or two files of a run in one or two ways; the last of a block is read with an intact run
+    beside it."""
     intact = load_runs(original, code="yade", quiet=True)[0]
     results = shutil.copytree(original, tmp_path / "results")
     folder = cycles_of(results).parent
     for case in range(CASES // 8):
+        for name in FILES:
+            shutil.copy(original / "demo" / "linear-mu0.8" / "liggghts" / name, folder / name)
         generator = random.Random(1000 * block + case)
         damaged = generator.sample(FILES, generator.choice((1, 1, 2)))
         for name in damaged:
@@ -128,39 +156,41 @@ def test_random_damage(original, tmp_path, block):
             for damage in generator.sample(DAMAGES, generator.choice((1, 1, 2))):
                 content = damage(content, generator) if content else content
             (folder / name).write_bytes(content)
-        runs = load_runs(results, quiet=True)
-        check_usable(runs, f"case {block}/{case}: {damaged}")
-        good = [run for run in runs if run.id.endswith("/yade")][0]
-        assert good.problems == [] and good.cycles.equals(intact.cycles) and good.history.equals(intact.history)
-        for name in damaged:
-            shutil.copy(original / "demo" / "linear-mu0.8" / "liggghts" / name, folder / name)
+        check_usable(Run(folder, results, quiet=True), f"case {block}/{case}: {damaged}")
+    runs = load_runs(results, quiet=True)
+    assert len(runs) == 2 and list(runs.cycles)[:4] == ["profile", "scenario", "code", "seed"]
+    good = [run for run in runs if run.id.endswith("/yade")][0]
+    assert good.problems == [] and good.cycles.equals(intact.cycles) and good.history.equals(intact.history)
 
 
-def check_usable(runs, case):
-    assert len(runs) == 2, case
-    for run in runs:
-        for name, columns in TABLES.items():
-            frame = getattr(run, name.removesuffix(".csv"))
-            assert list(frame) == list(columns), case
-            for column in columns:
-                values = frame[column].to_numpy()
-                assert values.dtype.kind in "if", case
-                low, high = tables.plausible_range(column)
-                assert (np.isnan(values) | ((values >= low) & (values <= high))).all(), (case, column)
-            assert (np.diff(frame["cycle"]) > 0).all(), case
-        assert isinstance(run.seed, int) and isinstance(run.code, str), case
-        for label in ("before", "after", 5):
-            bed = run.bed(label)
-            assert bed is None or np.isfinite(bed.to_numpy(dtype=float)).all(), case
-        contacts = run.contacts(5)
-        assert contacts is None or list(contacts) == list(tables.CONTACTS), case
-        if run.scenario is not None:
-            assert run.scenario["geometry.box_length"] > 0, case
-        assert all("\n" not in line and line.startswith("demo/") and len(line) < 500 for line in run.problems), (case, run.problems)
-    assert list(runs.cycles)[:4] == ["profile", "scenario", "code", "seed"], case
+def check_usable(run, case):
+    for name, columns in TABLES.items():
+        frame = getattr(run, name.removesuffix(".csv"))
+        assert list(frame) == list(columns), case
+        assert all(kind.kind in "if" for kind in frame.dtypes), case
+        for column in columns:
+            values = frame[column].to_numpy()
+            low, high = tables.plausible_range(column)
+            assert (np.isnan(values) | ((values >= low) & (values <= high))).all(), (case, column)
+        assert (np.diff(frame["cycle"]) > 0).all(), case
+    assert isinstance(run.seed, int) and isinstance(run.code, str), case
+    for label in ("before", "after", 5):
+        bed = run.bed(label)
+        assert bed is None or np.isfinite(bed.to_numpy(dtype=float)).all(), case
+    contacts = run.contacts(5)
+    assert contacts is None or list(contacts) == list(tables.CONTACTS), case
+    if run.scenario is not None:
+        assert run.scenario["geometry.box_length"] > 0, case
+    summary = quantities.summary(run, [1, 5])
+    assert ((summary["missing"] == "") == summary["value"].notna()).all(), case
+    assert all("\n" not in line and line.startswith("demo/") and len(line) < 500 for line in run.problems), (
+        case,
+        run.problems,
+    )
 
 
 # ------------------------------------------------------------------ each kind of damage and what is said
+
 
 def damaged(results, name, change):
     path = cycles_of(results).parent / name
@@ -194,7 +224,9 @@ def test_columns_in_another_order(results, original):
     assert run.problems == [] and run.cycles.equals(load_one(original).cycles)
 
 
-@pytest.mark.parametrize("content, said", [(b"", "is empty"), (b"a,b\n1,2\n", "has no column cycle: nothing of it is used")])
+@pytest.mark.parametrize(
+    "content, said", [(b"", "is empty"), (b"a,b\n1,2\n", "has no column cycle: nothing of it is used")]
+)
 def test_nothing_in_it(results, content, said):
     run = damaged(results, "cycles.csv", lambda _: content)
     assert run.problems == [f"demo/linear-mu0.8/liggghts/cycles.csv: {said}"]
@@ -223,7 +255,9 @@ def test_wrong_encodings(results, original):
     assert run.problems[0].endswith("is UTF-16, not UTF-8") and run.cycles.equals(expected)
     shutil.copy(cycles_of(original), cycles_of(results))
     run = damaged(results, "cycles.csv", lambda content: content.replace(b"clumps", "clumps °".encode("latin-1")))
-    assert run.problems[0].endswith("is not UTF-8: read as Latin-1") and run.cycles["settlement_m"].equals(expected["settlement_m"])
+    assert run.problems[0].endswith("is not UTF-8: read as Latin-1") and run.cycles["settlement_m"].equals(
+        expected["settlement_m"]
+    )
 
 
 def test_absurd_and_unreadable_values(results):
@@ -234,7 +268,8 @@ def test_absurd_and_unreadable_values(results):
     assert [line.partition(": ")[2] for line in run.problems] == [
         "1 value of time_s no number: nan, the first in line 6",
         "1 value of settlement_m outside -10 to 10: nan, the first is 1e+300 in line 3",
-        "1 value of porosity_2 outside 0 to 1: nan, the first is 1.7 in line 5"]
+        "1 value of porosity_2 outside 0 to 1: nan, the first is 1.7 in line 5",
+    ]
     assert run.cycles.isna().sum().sum() == 3 and len(run.cycles) == 6
 
 
@@ -278,7 +313,11 @@ def test_run_without_run_json(results):
 
 
 def test_wrong_types_in_run_json(results):
-    run = damaged(results, "run.json", lambda content: content.replace(b'"seed": 1', b'"seed": "one"').replace(b'"ranks": 1', b'"ranks": true'))
+    run = damaged(
+        results,
+        "run.json",
+        lambda content: content.replace(b'"seed": 1', b'"seed": "one"').replace(b'"ranks": 1', b'"ranks": true'),
+    )
     assert run.problems == ["demo/linear-mu0.8/liggghts/run.json: seed, ranks of the wrong type: not used"]
     assert run.seed == 1 and "ranks" not in run.info and run.info["state"] == "finished"
 
@@ -300,11 +339,14 @@ def test_last_error_of_a_crashed_log(results):
 
 # ------------------------------------------------------------------ finding and selecting runs
 
+
 def test_seeds_filters_and_tidy_frames(tmp_path):
     for code, seed in (("yade", 1), ("liggghts", 1), ("liggghts", 7)):
         write_run(tmp_path, "demo", "nonlinear-en1.0", code, cycles=3, seed=seed, contacts=False)
     runs = load_runs(tmp_path, quiet=True)
-    assert [run.id for run in runs] == [f"demo/nonlinear-en1.0/{name}" for name in ("liggghts", "liggghts-seed7", "yade")]
+    assert [run.id for run in runs] == [
+        f"demo/nonlinear-en1.0/{name}" for name in ("liggghts", "liggghts-seed7", "yade")
+    ]
     assert [run.seed for run in runs] == [1, 7, 1]
     assert len(load_runs(tmp_path, code="liggghts")) == 2 and len(load_runs(tmp_path, profile="full")) == 0
     assert len(runs.select(code="liggghts", seed=7)) == 1
@@ -342,9 +384,17 @@ def test_importing_analysis_needs_no_pandas():
     """YADE's Python imports analysis.scenario and has no pandas."""
     import subprocess
     import sys
-    code = ("import sys; sys.modules['pandas'] = None; sys.modules['scipy'] = None; import analysis, analysis.scenario, analysis.tables\n"
-            "try: analysis.load_runs\nexcept ImportError: print('late')\n"
-            "try: analysis.nothing\nexcept AttributeError as e: print(e)")
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
-                            cwd=os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+    code = (
+        "import sys; sys.modules['pandas'] = sys.modules['scipy'] = None\n"
+        "import analysis, analysis.scenario, analysis.tables\n"
+        "try: analysis.load_runs\nexcept ImportError: print('late')\n"
+        "try: analysis.nothing\nexcept AttributeError as e: print(e)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=os.path.dirname(os.path.dirname(os.path.abspath(__file__))),
+    )
     assert result.stdout.splitlines() == ["late", "module 'analysis' has no attribute 'nothing'"], result.stderr

@@ -44,9 +44,17 @@ def test_choice_and_coverage_over_1000_cycles_with_5_percent_noise(law):
     assert starts[right] >= 90 and starts[wrong] == 0, starts
 
 
-@pytest.mark.parametrize("law, values", [
-    *TRUE.items(), ("exponential", {"a": 0.0, "b": 4e-3, "c": 60.0, "d": 5e-6}), ("exponential", {"a": 2e-3, "b": 3e-3, "c": 5.0, "d": 1e-6}),
-    ("logarithm", {"a": 3e-3, "b": 1e-3}), ("power", {"a": 1e-3, "b": 0.3}), ("line", {"a": 5e-3, "b": 2e-6})])
+@pytest.mark.parametrize(
+    "law, values",
+    [
+        *TRUE.items(),
+        ("exponential", {"a": 0.0, "b": 4e-3, "c": 60.0, "d": 5e-6}),
+        ("exponential", {"a": 2e-3, "b": 3e-3, "c": 5.0, "d": 1e-6}),
+        ("logarithm", {"a": 3e-3, "b": 1e-3}),
+        ("power", {"a": 1e-3, "b": 0.3}),
+        ("line", {"a": 5e-3, "b": 2e-6}),
+    ],
+)
 def test_choice_when_the_noise_is_5_percent_of_the_last_settlement(law, values):
     assert sum(choose(CYCLES, noisy(law, values, seed, kind="constant")).best == law for seed in range(8)) == 8
 
@@ -63,7 +71,7 @@ def test_noise_that_accumulates(law, values):
         low, high = choice.fits[law].intervals[slope]
         held += low <= values[slope] <= high
     assert verdicts["no" if law == "exponential" else "yes"] <= 1, verdicts
-    assert held >= 18, held         # 0.95 each: fewer than 18 of 24 would happen once in 10^4 times
+    assert held >= 18, held  # 0.95 each: fewer than 18 of 24 would happen once in 10^4 times
 
 
 def test_exact_curves_return_their_parameters():
@@ -84,7 +92,10 @@ def test_units_do_not_matter():
 
 
 def test_kind_of_scatter_is_recognised():
-    kinds = {kind: choose(CYCLES, noisy("logarithm", TRUE["logarithm"], 1, kind=kind)).fits["logarithm"] for kind in ("constant", "proportional")}
+    kinds = {
+        kind: choose(CYCLES, noisy("logarithm", TRUE["logarithm"], 1, kind=kind)).fits["logarithm"]
+        for kind in ("constant", "proportional")
+    }
     assert {kind: f.scatter for kind, f in kinds.items()} == {"constant": "constant", "proportional": "proportional"}
     assert kinds["proportional"].deviation == pytest.approx(0.05, rel=0.1)
     assert kinds["constant"].deviation == pytest.approx(0.05 * evaluate("logarithm", TRUE["logarithm"], 1000), rel=0.1)
@@ -105,7 +116,9 @@ def test_start_that_is_not_over_is_undecided():
 
 def test_settlement_that_gets_faster_has_no_exponential_start():
     values = {"a": 5e-3, "b": -4e-3, "c": 40.0, "d": 1e-5}
-    choice = choose(CYCLES, evaluate("exponential", values, CYCLES) + 1e-5 * np.random.default_rng(0).standard_normal(1000))
+    choice = choose(
+        CYCLES, evaluate("exponential", values, CYCLES) + 1e-5 * np.random.default_rng(0).standard_normal(1000)
+    )
     assert choice.best == "exponential" and choice.exponential_start == "no" and "slower" in choice.reason
 
 
@@ -119,7 +132,12 @@ def test_damaged_values_are_left_out():
 
 
 def test_unusable_curves_are_refused_with_one_line():
-    for n, s in (([1, 2], [1, 2]), (range(1, 11), [np.nan] * 10), ([1, 2, 3, 3, 4, 5, 6, 7], range(8)), (range(0, 9), range(9))):
+    for n, s in (
+        ([1, 2], [1, 2]),
+        (range(1, 11), [np.nan] * 10),
+        ([1, 2, 3, 3, 4, 5, 6, 7], range(8)),
+        (range(0, 9), range(9)),
+    ):
         with pytest.raises(ValueError, match="cycles"):
             fit("exponential", list(n), list(s))
 
@@ -133,8 +151,17 @@ def test_level_widens_the_intervals():
 def test_sparse_cycles_serve_too():
     """A digitised curve has points at a few dozen cycles, not at every one."""
     n = np.unique(np.round(np.geomspace(1, 1000, 40)))
-    assert choose(n, evaluate("logarithm", TRUE["logarithm"], n) * (1 + 0.01 * np.random.default_rng(1).standard_normal(len(n)))).best == "logarithm"
-    start = choose(n, evaluate("exponential", TRUE["exponential"], n) * (1 + 0.01 * np.random.default_rng(1).standard_normal(len(n))))
+    assert (
+        choose(
+            n,
+            evaluate("logarithm", TRUE["logarithm"], n) * (1 + 0.01 * np.random.default_rng(1).standard_normal(len(n))),
+        ).best
+        == "logarithm"
+    )
+    start = choose(
+        n,
+        evaluate("exponential", TRUE["exponential"], n) * (1 + 0.01 * np.random.default_rng(1).standard_normal(len(n))),
+    )
     assert start.exponential_start == "yes"
 
 
