@@ -49,9 +49,10 @@ inline NormalResponse hysteretic_normal(double overlap, double closing_speed, do
 }
 
 /// A contact is new if it was touched neither in this step nor in the one before. The history of a pair is not cleared when it
-/// separates, and steps are counted on through a restart, so that this holds everywhere.
+/// separates, and steps are counted on through a restart, so that this holds everywhere. 0 is a history that was never written: a
+/// contact that closes in step 1 is new as well.
 inline bool is_new_contact(double last_touch_step, double step) {
-  return last_touch_step != step && last_touch_step != step - 1.0;
+  return last_touch_step == 0.0 || (last_touch_step != step && last_touch_step != step - 1.0);
 }
 
 /// Share of a closing step during which the surfaces touched (eq. 3): overlap / (overlap - overlap one step ago).

@@ -79,7 +79,7 @@ double free_space(const std::string &path) {
 void write_checkpoint(LAMMPS *lmp, int narg, char **arg) {
   if (narg != 1) stop_with_error(lmp, "write_checkpoint: expects FILE");
   const std::string path = arg[0], partial = path + ".partial";
-  lmp->input->one(("write_restart " + partial));
+  lmp->input->one(("write_restart " + partial).c_str());
   if (lmp->comm->me == 0) {
     // LIGGGHTS does not notice a full disk: what does not fit is silently missing
     const int descriptor = open(partial.c_str(), O_RDONLY);
@@ -97,7 +97,7 @@ void stop_requested(LAMMPS *lmp, int narg, char **arg) {
   int any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, lmp->world);
   const std::string line = std::string("variable ") + arg[0] + (any ? " equal 1" : " equal 0");
-  lmp->input->one(line);
+  lmp->input->one(line.c_str());
 }
 
 void end_run(LAMMPS *lmp, int narg, char **arg) {
