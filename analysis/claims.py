@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from . import derived, laws, settlement as settlement_fit
+from . import compare, derived, laws, quantities, settlement as settlement_fit
 from .reference import REFERENCE_FOLDER, References, load_references
 from .scenario import ScenarioError, load_scenario
 from .tables import PLATES, SPHERES
@@ -384,11 +384,12 @@ def seconds_per_cycle(run) -> float:
     return derived.time_grid(run.scenario).steps_per_cycle / speed
 
 
-def settlement_difference(run, curve: pd.DataFrame, last: int) -> np.ndarray:
-    """Settlement minus the reference's, m, at the reference's points between cycle 1 and `last`."""
-    points = curve[(curve["cycle"] >= 1) & (curve["cycle"] <= last)]
-    ours = np.interp(points["cycle"], run.cycles["cycle"], run.cycles["settlement_m"])
-    return ours - points["value"].to_numpy(dtype=float)
+def settlement_difference(run, curve: pd.DataFrame, last: int, what: str) -> float:
+    """A field of `compare.against_reference` (rms_m, shift_m, rms_shifted_m), over the curve's points up to `last`."""
+    points = curve[curve["cycle"] <= last]
+    ours = run.cycles["cycle"], run.cycles["settlement_m"]
+    result = compare.against_reference(*ours, points["cycle"], points["value"])
+    return getattr(result, what) if result else math.nan
 
 
 def profile_error(run, curve: pd.DataFrame, cycle: int) -> float:
@@ -398,9 +399,7 @@ def profile_error(run, curve: pd.DataFrame, cycle: int) -> float:
     """
     if run.scenario is None:
         return math.nan
-    box = derived.apparatus(run.scenario)
-    half = run.scenario["geometry.plate_height"] / 2
-    depth = np.array([box.sleeper.low[2] - (p.low[2] + p.high[2]) / 2 for p in box.plates])
+    depth, half = quantities.plate_depths(run.scenario), run.scenario["geometry.plate_height"] / 2
     points = curve.sort_values("depth_m")
     covered = (depth >= points["depth_m"].min() - half) & (depth <= points["depth_m"].max() + half)
     if covered.sum() < 3:
@@ -460,9 +459,9 @@ def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
         yield e.check(what, "m", lambda s, exp: math.nan, runs[NONLINEAR], e.pending("settlement"))
         return
     last = t["cycles"]
-    shift = e.measure("mean difference", lambda r: settlement_difference(r, curve, last).mean(), last, relative=False)
-    scatter = e.measure("its standard deviation", lambda r: settlement_difference(r, curve, last).std(), last,
-                        relative=False)
+    shift, scatter = (e.measure(name, lambda r, field=field: settlement_difference(r, curve, last, field), last,
+                                relative=False)
+                      for name, field in (("mean difference", "shift_m"), ("its standard deviation", "rms_shifted_m")))
     error = curve["error"].mean() / coverage(math.inf)
     yield e.check(what, "m", lambda m, s: t["scatter"] * abs(m) - s,
                   _widened(shift[NONLINEAR], error), _widened(scatter[NONLINEAR], error))
@@ -523,6 +522,7 @@ def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
 def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 8."""
     curve = e.experiment("settlement")
+    curve = curve[curve["cycle"] <= t["cycles"]]
     profiles = {n: e.experiment("lateral_displacement", n) for n in (1, 100, t["cycles"])}
     pending = [] if len(curve) else ["settlement"]
     pending += [f"lateral displacement after cycle {n}" for n, profile in profiles.items() if profile.empty]
@@ -530,8 +530,7 @@ def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
     def misfit(run) -> float:
         if pending:
             return settlement(run, t["cycles"])
-        difference = settlement_difference(run, curve, t["cycles"])
-        errors = [float(np.sqrt(np.mean(difference**2))) / abs(float(curve["value"].iloc[-1]))]
+        errors = [settlement_difference(run, curve, t["cycles"], "rms_m") / abs(float(curve["value"].iloc[-1]))]
         return float(np.mean(errors + [profile_error(run, profile, n) for n, profile in profiles.items()]))
 
     measured = e.measure("misfit", misfit, t["cycles"], relative=False)

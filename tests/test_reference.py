@@ -9,7 +9,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from analysis import figures, load_runs, reference, webplotdigitizer
+from analysis import compare, figures, load_runs, reference, webplotdigitizer
 from analysis.claims import evaluate_claims
 from analysis.reference import REFERENCE_FOLDER, load_references, settlement_laws
 from analysis.scenario import scenario_names
@@ -282,6 +282,11 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
         if draw is not figures.porosity:
             assert "experiment" in text and "Chen 2015" in text
         assert "paper " in text and "pending" not in text
+
+    scored = compare.reference_table(runs, references)
+    assert set(scored["curve"]) == {"experiment", "simulation", "linear-mu0.8"}
+    ours = np.interp([1, 2, 5], runs[0].cycles["cycle"], runs[0].cycles["settlement_m"])
+    assert scored["shift_m"].to_numpy() == pytest.approx((ours - SETTLEMENT_MM[:3] * 1e-3).mean())
 
     judged = [v for v in evaluate_claims(runs, references) if v.claim.reference]
     assert len(judged) == 10 and not any("(pending)" in m for v in judged for m in v.missing)
