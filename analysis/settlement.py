@@ -132,11 +132,10 @@ def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "consta
         model = rule.columns(n, rule.unscale(x)) @ problem.solve(x)[1]
         new_weight = 1 / np.maximum(np.abs(model), 1e-3 * np.abs(model).max()) if scatter == "proportional" else weight
         new_memory = _memory(new_weight * (s / unit - model))
-        change = max(np.max(np.abs(new_weight / weight - 1)), abs(new_memory - memory))
-        weight, memory = new_weight, new_memory
-        if change < 1e-4:
+        if max(np.max(np.abs(new_weight / weight - 1)), abs(new_memory - memory)) < 1e-3:
             break
-    return _describe(_Problem(rule, n, s / unit, weight, memory), unit, scatter, level)
+        weight, memory = new_weight, new_memory
+    return _describe(problem, x, unit, scatter, level)
 
 
 def _whiten(columns: np.ndarray, weight: np.ndarray, memory: float) -> np.ndarray:
@@ -224,9 +223,8 @@ class _Problem:
         return ranges
 
 
-def _describe(problem: _Problem, unit: float, scatter: str, level: float) -> Fit:
+def _describe(problem: _Problem, x: float, unit: float, scatter: str, level: float) -> Fit:
     rule, n, memory, count = problem.rule, problem.n, problem.memory, len(problem.n)
-    x = problem.search()
     total, linear, _ = problem.solve(x)
     unknowns = len(rule.parameters)
     variance = total / (count - unknowns)
