@@ -55,8 +55,8 @@ MUTATIONS = (
         "contact_laws.h", "{elastic, std::max(0.0, elastic + coefficient * closing_speed), shear_stiffness, at_limit}",
         "{elastic, elastic + coefficient * closing_speed, shear_stiffness, at_limit}"),)),
     Mutation("shear history kept over a separation", ((
-        "contact_laws.h", "return last_touch_step != step && last_touch_step != step - 1.0;",
-        "return last_touch_step == 0.0 && step > 1.0;"),)),
+        "contact_laws.h", "return last_touch_step == 0.0 || (last_touch_step != step && last_touch_step != step - 1.0);",
+        "return last_touch_step == 0.0 || step < 0.0;"),)),
     Mutation("approach speed renewed at every step (eq. 15)", ((
         "normal_model_ballast_hysteretic.h",
         "if (!ballast::is_new_contact(history[last_touch_], static_cast<double>(update->ntimestep))) return history[impact_speed_];",

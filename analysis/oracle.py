@@ -75,17 +75,26 @@ class Hysteretic:
 
 @dataclass(frozen=True)
 class ViscousHertz(Hysteretic):
-    """YADE's damped Hertz law (Tsuji et al. 1992): a dashpot that grows as overlap^0.25 and makes the nominal
-    restitution come out. Not in the paper; it stands in for the hysteretic law where YADE has none."""
+    """YADE's damped Hertz law: a dashpot of a share of critical damping at the tangent stiffness, chosen so that the
+    nominal restitution comes out when the contact does not pull (Thornton, Cummins and Cleary 2013, Powder Technology
+    233, 30: the polynomial). Not in the paper; it stands in for the hysteretic law where YADE has none."""
 
     restitution: float = 1.0
 
     def normal(self, overlap: float, speed: float, approach_speed: float) -> float:
         if overlap <= 0:
             return 0.0
-        ratio = laws.damping_ratio_of(self.restitution)
-        stiffness = 1.5 * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius) * math.sqrt(overlap)
-        return self.elastic(overlap) + speed * 2 * math.sqrt(5 / 6) * ratio * math.sqrt(stiffness * self.mass)
+        stiffness = self.elastic_slope(overlap)
+        dashpot = 2 * thornton_damping_ratio(self.restitution) * math.sqrt(self.mass * stiffness)
+        return max(0.0, self.elastic(overlap) + dashpot * speed)
+
+
+@functools.cache
+def thornton_damping_ratio(restitution: float) -> float:
+    """Share of critical damping that gives a restitution (0-1) in a Hertz contact that cannot pull."""
+    coefficients = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29, -11342.18, 6276.757, -1489.915)
+    exponent = sum(c * restitution ** (k + 1) for k, c in enumerate(coefficients))
+    return math.sqrt(max(0.0, 1 / (1 - (1 + restitution)**2 * math.exp(exponent)) - 1))
 
 
 # ------------------------------------------------------------------ head-on impact
@@ -159,7 +168,7 @@ def forces_along(law, overlap, closing_speed, sliding, *, closing_scaled=True, s
                 slid = slid * laws.closing_share(now, old)
         normal[n] = law.normal(now, speed, approach)
         trial = laws.trial_shear_force([force], law.shear_slope(now), [slid])
-        limiting = max(normal[n], 0.0) if slip_by_total else law.elastic(now)
+        limiting = abs(normal[n]) if slip_by_total else law.elastic(now)
         shear[n] = force = float(laws.slip(trial, laws.shear_strength(law.friction, limiting))[0])
     return normal, shear
 
@@ -313,36 +322,71 @@ class Body:
     members: tuple[tuple[float, float, float], ...]
 
 
+    def levers(self, state) -> list[tuple[float, float, float]]:
+        """For each member: overlap with the wall z = 0, and the contact point relative to the body's centre (x, z); it
+        lies on the member's radius, half the overlap inside it."""
+        c, s = math.cos(state[2]), math.sin(state[2])
+        out = []
+        for a, b, radius in self.members:
+            dz = -s * a + c * b
+            overlap = radius - (state[1] + dz)
+            out.append((overlap, c * a + s * b, dz - (radius - max(overlap, 0.0) / 2)))
+        return out
+
+    def kinematics(self, state) -> list[tuple[float, float, float]]:
+        """For each member: overlap, closing speed and sliding speed along +x at the contact point."""
+        vx, vz, spin = state[3:6]
+        return [(overlap, -(vz - spin * dx), vx + spin * arm) for overlap, dx, arm in self.levers(state)]
+
+    def acceleration(self, state, forces, gravity: float) -> np.ndarray:
+        """(a_x, a_z, angular acceleration) under [(normal, shear), ...]; the shear force acts along +x on the body."""
+        torque = sum(arm * shear - dx * normal for (_, dx, arm), (normal, shear) in zip(self.levers(state), forces))
+        return np.array([sum(shear for _, shear in forces) / self.mass,
+                         sum(normal for normal, _ in forces) / self.mass - gravity, torque / self.inertia])
+
+
 def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, gravity: float = 0.0):
     """A rigid body bounces on the wall z = 0. Rotation is positive from z to x (about +y).
 
-    `start` = (x, z, angle, v_x, v_z, spin). The contact point lies on the member's radius, half the overlap inside it.
-    Returns times (n), states (n, 6) and shear forces (n, members); the shear force acts along +x on the body.
+    `start` = (x, z, angle, v_x, v_z, spin). Returns times (n), states (n, 6) and shear forces (n, members).
     """
-    def member_points(state):
-        x, z, angle = state[:3]
-        c, s = math.cos(angle), math.sin(angle)
-        return [(c * a + s * b, -s * a + c * b, r) for a, b, r in body.members]
-
-    def kinematics(t, state):
-        out = []
-        vx, vz, spin = state[3:6]
-        for dx, dz, radius in member_points(state):
-            overlap = radius - (state[1] + dz)
-            arm = dz - (radius - max(overlap, 0.0) / 2)
-            # velocity of the point (dx, arm) for spin about +y: (spin * dz, -spin * dx)
-            out.append((overlap, -(vz - spin * dx), vx + spin * arm))
-        return out
-
-    def motion(t, state, forces):
-        fx = sum(shear for _, shear in forces)
-        fz = sum(normal for normal, _ in forces)
-        torque = 0.0
-        for (dx, dz, radius), (normal, shear) in zip(member_points(state), forces):
-            overlap = radius - (state[1] + dz)
-            torque += (dz - (radius - max(overlap, 0.0) / 2)) * shear - dx * normal
-        return np.array([*state[3:6], fx / body.mass, fz / body.mass - gravity, torque / body.inertia])
-
     times = np.linspace(0, duration, points)
-    shears, states = _Contacts(contact_laws).integrate(kinematics, motion, np.asarray(start, float), times)
+    shears, states = _Contacts(contact_laws).integrate(
+        lambda t, state: body.kinematics(state),
+        lambda t, state, forces: np.concatenate([state[3:6], body.acceleration(state, forces, gravity)]),
+        np.asarray(start, float), times)
     return times, states, shears
+
+
+def bounce_in_steps(body: Body, contact_laws, start, step: float, steps: int, every: int = 1, gravity: float = 0.0, *,
+                    closing_scaled=True, slip_by_total=False):
+    """The same by the steps of a DEM code, with the laws of other codes as in `forces_along`. Error of the order of `step`.
+
+    Returns states (n, 6), of step 0 and each `every` steps.
+    """
+    state = np.asarray(start, float).copy()
+    shears, approach = [0.0] * len(contact_laws), [0.0] * len(contact_laws)
+    before = [overlap for overlap, *_ in body.levers(state)]
+    states = [state.copy()]
+    for n in range(1, steps + 1):
+        forces = []
+        for k, (law, (overlap, closing, sliding)) in enumerate(zip(contact_laws, body.kinematics(state))):
+            if overlap <= 0:
+                shears[k], before[k] = 0.0, overlap
+                forces.append((0.0, 0.0))
+                continue
+            moved = sliding * step
+            if before[k] <= 0:
+                approach[k] = closing
+                if closing_scaled:
+                    moved *= laws.closing_share(overlap, before[k])
+            normal = law.normal(overlap, closing, approach[k])
+            limit = law.friction * (abs(normal) if slip_by_total else law.elastic(overlap))
+            shears[k] = min(limit, max(-limit, shears[k] - law.shear_slope(overlap) * moved))
+            before[k] = overlap
+            forces.append((normal, shears[k]))
+        state[3:6] += step * body.acceleration(state, forces, gravity)
+        state[:3] += step * state[3:6]
+        if n % every == 0:
+            states.append(state.copy())
+    return np.array(states)

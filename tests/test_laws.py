@@ -165,6 +165,20 @@ def test_bounce_keeps_energy_without_friction_and_damping():
     assert energy[-1] == pytest.approx(energy[0], rel=1e-6)
 
 
+@pytest.mark.parametrize("friction, degrees", [(0.3, 20), (0.3, 50), (0.9, 40), (0.9, 80)])
+def test_steps_of_a_code_converge_to_the_integration(friction, degrees):
+    """Sticking, slipping and mixed bounces of a leaning two-ball body: an error of the order of the step."""
+    body = oracle.Body(MASS, 2e-5, ((-0.012, 0.0, 0.0147), (0.012, 0.0, 0.0147)))
+    law = oracle.Linear(1e8, 7e7, friction, 0.06, MASS)
+    normal, sliding = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    start = (0, 0.0147 + 0.012 * math.sin(0.1) + 1e-7, 0.1, sliding, -normal, 0.0)
+    duration = 3e-4
+    _, states, _ = oracle.bounce(body, [law, law], start, duration, 3)
+    for step, allowed in ((1e-7, 6e-3), (2e-8, 1.2e-3)):
+        stepped = oracle.bounce_in_steps(body, [law, law], start, step, round(duration / step), round(duration / step))
+        assert stepped[-1][3:5] == pytest.approx(states[-1][3:5], abs=allowed)
+
+
 def test_path_follows_the_differential_equation():
     """The paper's steps converge to the shear force integrated by scipy, through slip, reversal and unloading."""
     law = oracle.Hysteretic(35e6, 0.3, 0.0147, friction=0.4)
