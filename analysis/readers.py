@@ -154,7 +154,7 @@ class Run:
         path = self.folder / "scenario.json"
         if path.exists():
             try:
-                return _checked(Scenario.from_json(path.read_text(encoding="utf-8")))
+                return self._completed(_checked(Scenario.from_json(path.read_text(encoding="utf-8"))))
             except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError) as error:
                 self._problem("scenario.json", f"is damaged ({_one_line(error)}); the scenario file is used instead")
         try:
@@ -173,6 +173,15 @@ class Run:
                 "run.json",
                 f"scenario_hash {known} is not that of today's scenario file: its parameters may differ from the run's",
             )
+        return scenario
+
+    def _completed(self, scenario: Scenario) -> Scenario:
+        """Parameters that are newer than the run come from today's scenario file."""
+        newer = [key for key in KEYS if key not in scenario.parameters]
+        if newer:
+            today = load_scenario(self.scenario_name, self.profile)
+            scenario.parameters.update({key: today.parameters[key] for key in newer})
+            self._problem("scenario.json", f"is older than {', '.join(newer)}: taken from today's scenario file")
         return scenario
 
     def bed(self, label: str = "before") -> pd.DataFrame | None:
@@ -456,9 +465,7 @@ def _rising(values: np.ndarray) -> np.ndarray:
 
 def _checked(scenario: Scenario) -> Scenario:
     for key, known in KEYS.items():
-        if key not in scenario.parameters:
-            raise ValueError(f"{key} is missing")
-        if not known.accepts(scenario[key]):
+        if key in scenario.parameters and not known.accepts(scenario[key]):
             raise ValueError(f"{key} = {scenario[key]!r} is not {known.allowed()}")
     return scenario
 

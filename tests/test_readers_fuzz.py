@@ -293,6 +293,20 @@ def test_damaged_scenario_is_replaced(results):
     assert run.scenario["geometry.box_length"] == 0.8 and run.scenario.hash == run.info["scenario_hash"]
 
 
+def test_run_that_is_older_than_a_parameter(results, original):
+    path = cycles_of(results).parent / "scenario.json"
+    body = json.loads(path.read_text())
+    del body["parameters"]["limits.overlap_ratio"]
+    body["parameters"]["clump.aspect"]["value"] = 1.5  # what the run had stays
+    path.write_text(json.dumps(body))
+    run = load_one(results)
+    assert run.scenario["limits.overlap_ratio"] == load_one(original).scenario["limits.overlap_ratio"]
+    assert run.scenario["clump.aspect"] == 1.5
+    assert [line.partition(": ")[2] for line in run.problems] == [
+        "is older than limits.overlap_ratio: taken from today's scenario file"
+    ]
+
+
 def test_scenario_of_a_committed_run(results):
     """Committed runs have no scenario.json: the scenario file of today, checked by the hash."""
     folder = cycles_of(results).parent
