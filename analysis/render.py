@@ -70,8 +70,15 @@ def box_faces(low, high, view: Camera, colour, opacity: float = 0.25, outline: f
     return faces
 
 
-def render(centres: np.ndarray, radius: float, colours: np.ndarray, groups: np.ndarray, view: Camera,
-           width: int = 1600, faces: list[Face] = ()) -> np.ndarray:
+def render(
+    centres: np.ndarray,
+    radius: float,
+    colours: np.ndarray,
+    groups: np.ndarray,
+    view: Camera,
+    width: int = 1600,
+    faces: list[Face] = (),
+) -> np.ndarray:
     """Picture (rows, width, 4) uint8 with transparent background.
 
     centres (n, 3) m, one radius m, colours (n, 3) 0-1, groups (n,): spheres of one clump share a number, so that no
@@ -152,8 +159,10 @@ def _occlusion(depth, solid, radius):
     coarse = filled[::step, ::step]
     total = np.zeros_like(filled)
     for reach in (0.35, 1.1):
-        blurred = zoom(gaussian_filter(coarse, reach * radius / step, truncate=2.5), step, order=1, mode="nearest", grid_mode=True)
-        total += np.clip((blurred[:depth.shape[0], :depth.shape[1]] - filled) / np.float32(radius), 0, 1.4)
+        blurred = zoom(
+            gaussian_filter(coarse, reach * radius / step, truncate=2.5), step, order=1, mode="nearest", grid_mode=True
+        )
+        total += np.clip((blurred[: depth.shape[0], : depth.shape[1]] - filled) / np.float32(radius), 0, 1.4)
     return total
 
 
@@ -167,7 +176,7 @@ def _blend(image, depth, face: Face, view: Camera, scale: float) -> None:
     ends = start + np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) @ edges.T
     low = np.clip(np.floor(ends.min(0)).astype(int), 0, [image.shape[1], image.shape[0]])
     high = np.clip(np.ceil(ends.max(0)).astype(int) + 1, 0, [image.shape[1], image.shape[0]])
-    i, j = np.mgrid[low[1]:high[1], low[0]:high[0]]
+    i, j = np.mgrid[low[1] : high[1], low[0] : high[0]]
     a, b = np.linalg.solve(edges, np.stack([j.ravel() - start[0], i.ravel() - start[1]]))
     a, b = a.reshape(i.shape), b.reshape(i.shape)
     height = (corner[2] + a * u[2] + b * v[2]) * scale
@@ -188,7 +197,7 @@ def _shrink(image):
     """Average SUPERSAMPLING x SUPERSAMPLING pixels, colours weighted by opacity."""
     k = SUPERSAMPLING
     rows, columns = image.shape[0] // k, image.shape[1] // k
-    blocks = image[:rows * k, :columns * k].reshape(rows, k, columns, k, 4)
+    blocks = image[: rows * k, : columns * k].reshape(rows, k, columns, k, 4)
     alpha = blocks[..., 3].mean((1, 3))
     colour = (blocks[..., :3] * blocks[..., 3:]).mean((1, 3)) / np.maximum(alpha, 1e-6)[..., None]
     return (np.concatenate([colour, alpha[..., None]], axis=2) * 255 + 0.5).astype(np.uint8)

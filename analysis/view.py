@@ -38,7 +38,9 @@ class ViewError(ValueError):
 
 @dataclass(frozen=True)
 class Scene:
-    """A bed with sleeper and plates where they stand; `moved_m` (n, 3) is each clump's displacement, nan where unknown."""
+    """A bed with sleeper and plates where they stand; `moved_m` (n, 3) is each clump's displacement, nan where
+    unknown.
+    """
 
     scenario: Scenario
     title: str
@@ -74,8 +76,15 @@ def load_scene(folder: Path, label: str = "after") -> Scene:
         moved = _displacement(folder / "bed_before.csv", bed)
     box = derived.apparatus(scenario)
     plates = tuple(_shifted(plate, (shift, 0, 0)) for plate, shift in zip(box.plates, out))
-    return Scene(scenario, title, bed, moved, _shifted(box.sleeper, (0, 0, -down)), plates,
-                 _contacts(folder / "raw" / f"contacts_{contacts_label}.csv"))
+    return Scene(
+        scenario,
+        title,
+        bed,
+        moved,
+        _shifted(box.sleeper, (0, 0, -down)),
+        plates,
+        _contacts(folder / "raw" / f"contacts_{contacts_label}.csv"),
+    )
 
 
 def _shifted(block: derived.Block, by) -> derived.Block:
@@ -99,11 +108,14 @@ def _places(folder: Path, label: str) -> tuple[float, list[float]]:
         start = pd.read_csv(folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].to_numpy(float)[0]
         down, out = start[0], start[1:]
     except (OSError, ValueError, IndexError, KeyError):
-        pass                            # committed runs have no raw files: their preload displacement is not drawn
+        pass  # committed runs have no raw files: their preload displacement is not drawn
     if label == "after":
         try:
             last = pd.read_csv(folder / "cycles.csv").iloc[-1]
-            down, out = down + last["settlement_m"], out + last[[f"lateral_{k}_m" for k in tables.PLATES]].to_numpy(float)
+            down, out = (
+                down + last["settlement_m"],
+                out + last[[f"lateral_{k}_m" for k in tables.PLATES]].to_numpy(float),
+            )
         except (OSError, ValueError, IndexError, KeyError):
             pass
     return float(down), [float(v) for v in out]
@@ -127,13 +139,20 @@ def _contacts(path: Path) -> pd.DataFrame | None:
 
 # ----------------------------------------------------------------- pictures
 
+
 def is_cut(scene: Scene) -> bool:
     """True where pictures show the bed cut open along the sleeper."""
     return scene.box.width_m >= CUT_FROM_WIDTH_M
 
 
-def picture(scene: Scene, *, azimuth_deg: float = 0.0, elevation_deg: float = 0.0, width: int = PICTURE_WIDTH,
-            pale: bool = False) -> tuple[np.ndarray, render.Camera, float]:
+def picture(
+    scene: Scene,
+    *,
+    azimuth_deg: float = 0.0,
+    elevation_deg: float = 0.0,
+    width: int = PICTURE_WIDTH,
+    pale: bool = False,
+) -> tuple[np.ndarray, render.Camera, float]:
     """The bed, cut open along the sleeper: (RGBA picture, camera, displacement at full colour in m or nan).
 
     Clumps whose centre lies before the cut are left out. `pale` draws uncoloured stone, as a backdrop.
@@ -147,25 +166,49 @@ def picture(scene: Scene, *, azimuth_deg: float = 0.0, elevation_deg: float = 0.
         length = np.linalg.norm(scene.moved_m, axis=1)
         top = float(np.nanquantile(length, 0.99)) if np.isfinite(length).any() else float("nan")
         if top > 0:
-            colours = np.where(np.isfinite(length[behind])[:, None], MOVED(np.nan_to_num(length[behind] / top))[:, :3], colours)
+            colours = np.where(
+                np.isfinite(length[behind])[:, None], MOVED(np.nan_to_num(length[behind] / top))[:, :3], colours
+            )
     blocks = [scene.sleeper, *scene.plates]
-    corners = np.array([[x, y, z] for x in (0, max(p.high[0] for p in scene.plates))
-                        for y in (front, box.width_m) for z in (0, scene.sleeper.high[2])])
+    corners = np.array(
+        [
+            [x, y, z]
+            for x in (0, max(p.high[0] for p in scene.plates))
+            for y in (front, box.width_m)
+            for z in (0, scene.sleeper.high[2])
+        ]
+    )
     view = render.camera(corners, azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
-    faces = [face for block in blocks
-             for face in render.box_faces((block.low[0], max(front, block.low[1]), block.low[2]), block.high, view, STEEL, opacity=0.30)]
-    image = render.render(beds.sphere_centres(bed, clump.half_distance_m), clump.radius_m, np.repeat(colours, 2, axis=0),
-                          np.repeat(np.arange(len(bed)), 2), view, width, [] if pale else faces)
+    faces = [
+        face
+        for block in blocks
+        for face in render.box_faces(
+            (block.low[0], max(front, block.low[1]), block.low[2]), block.high, view, STEEL, opacity=0.30
+        )
+    ]
+    image = render.render(
+        beds.sphere_centres(bed, clump.half_distance_m),
+        clump.radius_m,
+        np.repeat(colours, 2, axis=0),
+        np.repeat(np.arange(len(bed)), 2),
+        view,
+        width,
+        [] if pale else faces,
+    )
     return image, view, top
 
 
 def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title: str) -> style.Canvas:
-    """An empty panel with the camera's window at true scale, `foot` inches below it and a line for the title above it."""
+    """An empty panel with the camera's window at true scale, `foot` inches below it and a line for the title above
+    it.
+    """
     width = 6.0
     height = width * (view.high[1] - view.low[1]) / (view.high[0] - view.low[0])
     head = 0.27 if title else 0.0
     c = style.canvas(name, alt, width=width, height=height + foot + head, left=0, right=0, bottom=foot, top=head)
-    c.figure.text(0.005, 1 - 0.03 / (height + foot + head), title, fontsize=10, fontweight="bold", va="top", color=style.INK)
+    c.figure.text(
+        0.005, 1 - 0.03 / (height + foot + head), title, fontsize=10, fontweight="bold", va="top", color=style.INK
+    )
     c.axes.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]))
     c.axes.set_axis_off()
     return c
@@ -182,16 +225,27 @@ def _scale_bar(c: style.Canvas, view: render.Camera, foot: float) -> None:
 
 def _line(xs, ys):
     from matplotlib.lines import Line2D
+
     return Line2D(xs, ys, color=style.INK, linewidth=2, solid_capstyle="butt")
 
 
-def bed_panel(scene: Scene, name: str, title: str = "", *, azimuth_deg: float = 0.0, elevation_deg: float = 0.0, pixels: int = PICTURE_WIDTH) -> style.Canvas:
+def bed_panel(
+    scene: Scene,
+    name: str,
+    title: str = "",
+    *,
+    azimuth_deg: float = 0.0,
+    elevation_deg: float = 0.0,
+    pixels: int = PICTURE_WIDTH,
+) -> style.Canvas:
     """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
     image, view, top = picture(scene, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width=pixels)
     foot = 0.5
     alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
     c = _picture_canvas(name, alt, view, foot, title)
-    c.axes.imshow(image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto")
+    c.axes.imshow(
+        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
+    )
     _scale_bar(c, view, foot)
     if top > 0:
         width, height = c.figure.get_size_inches()
@@ -202,9 +256,20 @@ def bed_panel(scene: Scene, name: str, title: str = "", *, azimuth_deg: float = 
         bar.grid(False)
         for spine in bar.spines.values():
             spine.set_visible(False)
-        c.figure.text(0.43, (style.STAMP_HEIGHT + 0.355) / height, "clump displacement, mm", fontsize=8.5, va="center", ha="right",
-                      color=style.INK)
-    c.table = scene.bed.assign(displacement_m=np.linalg.norm(scene.moved_m, axis=1)) if scene.moved_m is not None else scene.bed
+        c.figure.text(
+            0.43,
+            (style.STAMP_HEIGHT + 0.355) / height,
+            "clump displacement, mm",
+            fontsize=8.5,
+            va="center",
+            ha="right",
+            color=style.INK,
+        )
+    c.table = (
+        scene.bed.assign(displacement_m=np.linalg.norm(scene.moved_m, axis=1))
+        if scene.moved_m is not None
+        else scene.bed
+    )
     return c
 
 
@@ -235,15 +300,24 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
     image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
     foot = 0.5
     c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)
-    c.axes.imshow(image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto")
+    c.axes.imshow(
+        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
+    )
     order = np.argsort(force, kind="stable")
     top = float(np.quantile(force, 0.995))
     share = np.clip(force[order] / top, 0, 1)
     drawn = share > 0.02
     colours = FORCE(share[drawn])
     colours[:, 3] = 0.25 + 0.75 * np.sqrt(share[drawn])
-    c.axes.add_collection(LineCollection(lines[order][drawn][:, :, [0, 2]], linewidths=0.25 + 6 * share[drawn], colors=colours,
-                                         capstyle="round", rasterized=True))
+    c.axes.add_collection(
+        LineCollection(
+            lines[order][drawn][:, :, [0, 2]],
+            linewidths=0.25 + 6 * share[drawn],
+            colors=colours,
+            capstyle="round",
+            rasterized=True,
+        )
+    )
     for block in (scene.sleeper, *scene.plates):
         c.axes.plot(*_outline(block), color=style.SOFT, linewidth=1)
     _scale_bar(c, view, foot)
@@ -255,8 +329,10 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
         line.set(color=FORCE(portion), linewidth=0.25 + 6 * portion)
         c.figure.add_artist(line)
         c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=8.5, va="center", color=style.INK)
-    c.table = pd.DataFrame({f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
-                           | {"normal_force_N": force})
+    c.table = pd.DataFrame(
+        {f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
+        | {"normal_force_N": force}
+    )
     return c
 
 
@@ -266,22 +342,30 @@ def _round(value: float) -> str:
 
 
 def _outline(block: derived.Block):
-    return ([block.low[0], block.high[0], block.high[0], block.low[0], block.low[0]],
-            [block.low[2], block.low[2], block.high[2], block.high[2], block.low[2]])
+    return (
+        [block.low[0], block.high[0], block.high[0], block.low[0], block.low[0]],
+        [block.low[2], block.low[2], block.high[2], block.high[2], block.low[2]],
+    )
 
 
 # ----------------------------------------------------------------- ParaView
 
+
 def write_vtp(path: Path, points: np.ndarray, *, lines=None, quads=None, point_data=None, cell_data=None) -> None:
-    """Points (n, 3) in m with `lines` (m, 2) or `quads` (m, 4) of point numbers, or as vertices, as VTK PolyData XML."""
+    """Points (n, 3) in m with `lines` (m, 2) or `quads` (m, 4) of point numbers, or as vertices, as VTK PolyData
+    XML.
+    """
+
     def array(name: str, values: np.ndarray) -> str:
         values = np.ascontiguousarray(values)
         kind = "Int64" if values.dtype.kind in "iu" else "Float64"
         values = values.astype("<i8" if kind == "Int64" else "<f8")
         content = base64.b64encode(struct.pack("<Q", values.nbytes) + values.tobytes()).decode()
         parts = values.shape[1] if values.ndim == 2 else 1
-        return (f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{parts}" format="binary">'
-                f"{content}</DataArray>\n")
+        return (
+            f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{parts}" format="binary">'
+            f"{content}</DataArray>\n"
+        )
 
     if lines is None and quads is None:
         kind, cells = "Verts", np.arange(len(points))[:, None]
@@ -289,15 +373,24 @@ def write_vtp(path: Path, points: np.ndarray, *, lines=None, quads=None, point_d
         kind, cells = ("Lines", np.asarray(lines)) if lines is not None else ("Polys", np.asarray(quads))
     counts = {name: len(cells) if name == kind else 0 for name in ("Verts", "Lines", "Polys")}
     data = [("PointData", point_data or {}), ("CellData", cell_data or {})]
-    text = ('<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n<PolyData>\n'
-            f'<Piece NumberOfPoints="{len(points)}" NumberOfStrips="0" '
-            + " ".join(f'NumberOf{name}="{count}"' for name, count in counts.items()) + ">\n"
-            "<Points>\n" + array("Points", np.asarray(points, float)) + f"</Points>\n<{kind}>\n"
-            + array("connectivity", cells.ravel().astype(np.int64))
-            + array("offsets", (np.arange(1, len(cells) + 1) * cells.shape[1]).astype(np.int64)) + f"</{kind}>\n"
-            + "".join(f"<{where}>\n" + "".join(array(name, values) for name, values in fields.items()) + f"</{where}>\n"
-                      for where, fields in data)
-            + "</Piece>\n</PolyData>\n</VTKFile>\n")
+    text = (
+        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" '
+        'header_type="UInt64">\n<PolyData>\n'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfStrips="0" '
+        + " ".join(f'NumberOf{name}="{count}"' for name, count in counts.items())
+        + ">\n"
+        "<Points>\n"
+        + array("Points", np.asarray(points, float))
+        + f"</Points>\n<{kind}>\n"
+        + array("connectivity", cells.ravel().astype(np.int64))
+        + array("offsets", (np.arange(1, len(cells) + 1) * cells.shape[1]).astype(np.int64))
+        + f"</{kind}>\n"
+        + "".join(
+            f"<{where}>\n" + "".join(array(name, values) for name, values in fields.items()) + f"</{where}>\n"
+            for where, fields in data
+        )
+        + "</Piece>\n</PolyData>\n</VTKFile>\n"
+    )
     tables.write_aside(path, text)
 
 
@@ -313,7 +406,10 @@ def write_paraview(scene: Scene, folder: Path, label: str) -> list[Path]:
     points, quads, names = [], [], []
     for number, block in enumerate((scene.sleeper, *scene.plates)):
         corners = [[(block.low, block.high)[b][a] for a, b in enumerate(bits)] for bits in np.ndindex(2, 2, 2)]
-        quads += [[8 * number + n for n in side] for side in ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))]
+        quads += [
+            [8 * number + n for n in side]
+            for side in ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+        ]
         names += [number] * 6
         points += corners
     walls = folder / f"walls_{label}.vtp"
@@ -322,22 +418,35 @@ def write_paraview(scene: Scene, folder: Path, label: str) -> list[Path]:
     if not len(force):
         return [spheres, walls]
     chains = folder / f"force_chains_{label}.vtp"
-    write_vtp(chains, lines.reshape(-1, 3), lines=np.arange(2 * len(lines)).reshape(-1, 2), cell_data={"normal_force_N": force})
+    write_vtp(
+        chains,
+        lines.reshape(-1, 3),
+        lines=np.arange(2 * len(lines)).reshape(-1, 2),
+        cell_data={"normal_force_N": force},
+    )
     return [spheres, walls, chains]
 
 
 # ----------------------------------------------------------------- command line
 
+
 def main(argv: list[str]) -> int:
     """Write the pictures and ParaView files of one run into its folder `view/`."""
-    parser = argparse.ArgumentParser(prog="python -m analysis view", description="Pictures of a bed, and files for ParaView.")
+    parser = argparse.ArgumentParser(
+        prog="python -m analysis view", description="Pictures of a bed, and files for ParaView."
+    )
     parser.add_argument("scenario")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path("results"))
     options = parser.parse_args(argv)
-    run = options.results / options.profile / options.scenario / (options.code if options.seed == 1 else f"{options.code}-seed{options.seed}")
+    run = (
+        options.results
+        / options.profile
+        / options.scenario
+        / (options.code if options.seed == 1 else f"{options.code}-seed{options.seed}")
+    )
     folder = run / "view"
     written, reasons = [], []
     for label in ("packed", "before", "after"):
@@ -347,10 +456,15 @@ def main(argv: list[str]) -> int:
             reasons.append(str(error))
             continue
         folder.mkdir(exist_ok=True)
-        stamp = f"{options.scenario} {options.profile} {options.code} seed {options.seed}, scenario {scene.scenario.hash}"
+        stamp = (
+            f"{options.scenario} {options.profile} {options.code} seed {options.seed}, scenario {scene.scenario.hash}"
+        )
         with style.settings():
-            drawings = [bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20), bed_panel(scene, f"section_{label}"),
-                        chain_panel(scene, f"force_chains_{label}")]
+            drawings = [
+                bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20),
+                bed_panel(scene, f"section_{label}"),
+                chain_panel(scene, f"force_chains_{label}"),
+            ]
             for drawing in filter(None, drawings):
                 style.save(drawing, folder, stamp)
                 written.append(folder / f"{drawing.name}.png")
