@@ -3,7 +3,8 @@
     yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
 
 Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds, for
-every sphere, centre, velocity (half a step earlier), spin, contact force and contact torque after n steps.
+every sphere, centre, velocity (half a step earlier), spin, contact force and contact torque after n steps;
+OUTPUT_FOLDER/<name>_contacts.json the properties of the contacts at the end.
 """
 
 import json
@@ -15,7 +16,7 @@ import __main__
 import numpy as np
 from yade import utils
 from yade.minieigenHP import Matrix3, Quaternion, Vector3
-from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner
+from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
 
 ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
@@ -115,6 +116,18 @@ def run(probe: dict, folder: Path) -> None:
     ]
     O.run(probe["steps"] + 1, True)
     np.save(folder / f"{probe['name']}.npy", np.array(recorder.rows))
+    (folder / f"{probe['name']}_contacts.json").write_text(json.dumps(contacts()))
+
+
+def contacts() -> list[dict]:
+    """What YADE made of the scenario's parameters in each contact of the last step: its `phys`, and the spheres' mass."""
+    found = []
+    for i in O.interactions:
+        if i.isReal:
+            wall = isinstance(O.bodies[i.id1].shape, Wall)
+            values = {name: value for name, value in i.phys.dict().items() if isinstance(value, float)}
+            found.append({"pair": "pw" if wall else "pp", "mass": O.bodies[i.id2].state.mass, "dt": O.dt, **values})
+    return found
 
 
 def main() -> None:
