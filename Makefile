@@ -18,7 +18,7 @@ OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULT
 FOLDER    = $(RESULTS)/$(PROFILE)/$(SCENARIO)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run status compare report view verify impact reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run status compare report view verify impact mutations sanitize reference calibrate bench \
         test clean distclean distclean-run FORCE
 
 help: ## this list
@@ -64,8 +64,13 @@ test: setup ## all tests, with both codes
 	@.venv/bin/python -m pytest
 verify: setup ## contact laws and clumps of both codes against closed forms
 	@$(ANALYSIS) verify
-impact: setup ## two clumps against each other: make impact CASE=nonlinear-md1-en0.6
+impact: setup ## any impact of two bodies in both codes: make impact CASE=examples/impact.toml, or CASE=<scenario>
 	@$(ANALYSIS) impact $(CASE)
+mutations: setup ## wrong laws that the verification must notice: which case catches which (half an hour)
+	@$(ANALYSIS) mutations
+sanitize: setup ## the verification of LIGGGHTS with address and undefined-behaviour checks
+	@$(MAKE) --no-print-directory -C liggghts sanitize
+	@$(ANALYSIS) verify --code liggghts --host liggghts/build/ballast-sanitize --out report/sanitize
 calibrate: setup ## clumps and porosity over the lattice gap (hours)
 	@$(ANALYSIS) calibrate
 bench: setup ## steps per second of both codes, one after the other

@@ -80,10 +80,10 @@ def mutate(mutation: Mutation, source: Path) -> None:
         path.write_text(text.replace(old, new))
 
 
-def build(mutation: Mutation | None, folder: Path) -> Path:
+def build(mutation: Mutation | None, source: Path, folder: Path) -> Path:
     """Copy the LIGGGHTS sources to `folder`, mutate and build them; return the executable."""
-    shutil.copytree(SOURCE / "src", folder / "src")
-    shutil.copy(SOURCE / "Makefile", folder)
+    shutil.copytree(source / "src", folder / "src")
+    shutil.copy(source / "Makefile", folder)
     if mutation:
         mutate(mutation, folder / "src")
     made = subprocess.run(["make", "-j2", "OPTIMISE=-O1"], cwd=folder, capture_output=True, text=True)
@@ -106,15 +106,18 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m analysis mutations", description=__doc__.split("\n")[0])
     parser.add_argument("--only", type=int, action="append", metavar="N", help="only mutation N, from 1 (may be given again)")
     arguments = parser.parse_args(argv)
-    unnoticed = 0
+    original, unnoticed = Path(tempfile.mkdtemp(prefix="mutations-")), 0
+    shutil.copytree(SOURCE / "src", original / "src")
+    shutil.copy(SOURCE / "Makefile", original)
     for number, mutation in [(0, None), *enumerate(MUTATIONS, start=1)]:
         if mutation and arguments.only and number not in arguments.only:
             continue
         folder = Path(tempfile.mkdtemp(prefix="mutation-"))
         try:
-            caught = catching_cases(build(mutation, folder), folder / "cases")
+            caught = catching_cases(build(mutation, original, folder), folder / "cases")
         except MutationError as error:
             print(f"mutations: {error}", file=sys.stderr)
+            shutil.rmtree(original)
             return 2
         finally:
             shutil.rmtree(folder, ignore_errors=True)
@@ -122,4 +125,5 @@ def main(argv: list[str]) -> int:
         unnoticed += wrong
         print(f"{number:2}. {mutation.name if mutation else 'unchanged'}: "
               + (f"caught by {', '.join(caught)}" if caught else "no case fails") + (" <- WRONG" if wrong else ""), flush=True)
+    shutil.rmtree(original)
     return 1 if unnoticed else 0

@@ -7,7 +7,7 @@ A `Probe` says what happens; `run_probes` runs it through the same contact model
 from __future__ import annotations
 
 import json
-import math
+import os
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
@@ -19,6 +19,8 @@ from . import derived, engines
 from .scenario import Parameter, Scenario
 
 TIME_LIMIT_S = 250
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+               "ASAN_OPTIONS": "detect_leaks=0"}     # LIGGGHTS does not free all at its end; of use with --host only
 
 
 @dataclass(frozen=True)
@@ -200,7 +202,7 @@ def call_engine(command: list[str], folder: Path) -> None:
     log, name = folder / "engine.log", Path(command[0]).name
     with open(log, "a") as out:
         try:
-            status = subprocess.run(command, cwd=engines.ROOT, stdout=out, stderr=subprocess.STDOUT,
+            status = subprocess.run(command, cwd=engines.ROOT, stdout=out, stderr=subprocess.STDOUT, env=ENVIRONMENT | os.environ,
                                     stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S).returncode
         except subprocess.TimeoutExpired:
             raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
