@@ -89,7 +89,12 @@ class Impact:
         first, gap = self.balls[0], STEPS_BEFORE * step * self.normal_speed
         start = np.array([0.0, 0.0, first.radius + gap]) - STEPS_BEFORE * step * np.array(first.velocity) * [1, 1, 0]
         placed = Ball(first.radius, first.mass, tuple(map(float, start)), first.velocity, first.spin)
-        return Probe(self.name, self.scenario, step, 3900, balls=(placed, *self.balls[1:]), wall="linear" if self.wall else "")
+        return Probe(self.name,
+                     self.scenario,
+                     step,
+                     3900,
+                     balls=(placed, *self.balls[1:]),
+                     wall="linear" if self.wall else "")
 
 
 def read_impact(path: Path) -> Impact:
@@ -98,7 +103,8 @@ def read_impact(path: Path) -> Impact:
         with open(path, "rb") as file:
             content = tomllib.load(file)
     except OSError as error:
-        raise ScenarioError(f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file") from None
+        raise ScenarioError(
+            f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
 
@@ -118,7 +124,8 @@ def read_impact(path: Path) -> Impact:
         if entry["unit"] != known.unit:
             raise refuse(f"{key}.unit", entry["unit"], f'"{known.unit}"')
         if not known.accepts(entry["value"]) or (key.endswith(".spin") and len(entry["value"]) != 3):
-            raise refuse(f"{key}.value", entry["value"], known.allowed() + (", three of them" if key.endswith(".spin") else ""))
+            raise refuse(f"{key}.value", entry["value"],
+                         known.allowed() + (", three of them" if key.endswith(".spin") else ""))
         values[key] = float(entry["value"]) if known.kind is float else entry["value"]
     if "impact.speed" not in values:
         raise ScenarioError(f"{path.name}: impact.speed is missing; give value and unit")
@@ -137,12 +144,14 @@ def read_impact(path: Path) -> Impact:
         shear, poisson = laws.equivalent_material(*(values[key] for key in given))
         for name, value in (("shear_modulus", shear), ("poisson_ratio", poisson)):
             if f"contact.particle_particle.{name}" in values:
-                raise refuse(f"contact.particle_particle.{name}", value, f"{name} of the bodies or of the contact, not both")
+                raise refuse(f"contact.particle_particle.{name}", value,
+                             f"{name} of the bodies or of the contact, not both")
             changes[f"contact__particle_particle__{name}"] = value
     scenario = with_values(load_scenario(base), path.stem, **changes)
     pair = {key: scenario[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution")}
     if scenario["contact.model"] == "hysteretic" and pair["damping_mode"] == 0 and pair["restitution"] == 0:
-        raise refuse("contact.particle_particle.restitution.value", 0.0, "> 0 with damping_mode 0, which is singular there")
+        raise refuse("contact.particle_particle.restitution.value", 0.0,
+                     "> 0 with damping_mode 0, which is singular there")
     return _place(path.stem, scenario, values, on_wall)
 
 
@@ -193,12 +202,12 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
     shear = found.force[:, 0] - normal_force[:, None] * normal
     touching = np.flatnonzero(overlap > 0)
     separated = len(touching) > 0 and touching[-1] + 1 < len(overlap)
-    closing = np.einsum("ni,ni->n", relative, normal)
+    parting = np.einsum("ni,ni->n", relative, normal)
     expected = oracle.head_on(impact.law(code), impact.normal_speed)
     row = {"code": code, "peak_overlap_m": overlap.max(), "peak_normal_force_N": normal_force.max(),
            "peak_shear_force_N": np.linalg.norm(shear, axis=1).max(),
            "duration_s": (touching[-1] - touching[0] + 1) * probe.step if separated else math.nan,
-           "restitution": -closing[-1] / closing[0] if separated else math.nan}
+           "restitution": parting[-1] / impact.normal_speed if separated else math.nan}
     for k in range(len(probe.balls)):
         for what, values in (("velocity", found.velocity), ("spin", found.spin)):
             unit = "m_s" if what == "velocity" else "rad_s"
@@ -206,7 +215,8 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
     row |= {"expected_restitution": expected.restitution, "expected_peak_overlap_m": expected.peak_overlap_m}
     row["remark"] = "" if separated else "no separation within the time that was run"
     if code == "yade" and isinstance(impact.law(code), oracle.ViscousHertz):
-        row["remark"] = "YADE has no hysteretic law: viscous Hertz law with the same restitution" + "; " * bool(row["remark"]) + row["remark"]
+        row["remark"] = "YADE has no hysteretic law: viscous Hertz law with the same restitution" + "; " * bool(
+            row["remark"]) + row["remark"]
     return row, np.array([found.time, overlap, normal_force, np.linalg.norm(shear, axis=1)])
 
 
@@ -241,9 +251,11 @@ def main(argv: list[str]) -> int:
         shutil.rmtree(folder, ignore_errors=True)
     _write(arguments.out / f"{impact.name}.csv", list(rows[0]),
            [[f"{v:.9g}" if isinstance(v, float) else v for v in row.values()] for row in rows])
-    _write(arguments.out / f"{impact.name}_series.csv", ["code", "time_s", "overlap_m", "normal_force_N", "shear_force_N"], series)
+    _write(arguments.out / f"{impact.name}_series.csv",
+           ["code", "time_s", "overlap_m", "normal_force_N", "shear_force_N"], series)
     for name in rows[0]:
-        print(f"{name:26}" + "".join(f"{row[name]:>16.6g}" if isinstance(row[name], float) else f"{row[name]:>16}" for row in rows))
+        print(f"{name:26}" + "".join(f"{row[name]:>16.6g}" if isinstance(row[name], float) else f"{row[name]:>16}"
+                                     for row in rows))
     print(arguments.out / f"{impact.name}.csv")
     return 0
 

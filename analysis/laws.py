@@ -2,7 +2,7 @@
 
 Conventions: `overlap` = -g_s of the paper, metres, positive in contact; `closing_speed` = d(overlap)/dt, m/s; a normal
 force is positive where it pushes the bodies apart; shear forces and shear displacements are vectors in the contact
-plane, of body 1 relative to body 2. SI units. Needs numpy and the standard library only, because YADE's Python reads it.
+plane, of body 1 relative to body 2. SI units. Needs numpy and the standard library only: YADE's Python reads it.
 
 Source: Talebiahooie et al. 2021, Sustainability 13, 12247, section 2; eq. 16 as repaired in `damping_factor`.
 """
@@ -203,8 +203,8 @@ def equivalent_material(shear_modulus_1: float, poisson_ratio_1: float,
                         shear_modulus_2: float, poisson_ratio_2: float) -> tuple[float, float]:
     """Shear modulus (Pa) and Poisson's ratio that give eq. 8 and 11 the stiffness of two different materials.
 
-    A rigid body has an infinite shear modulus. From 1/E* = sum (1 - nu)/(2 G) and 1/G* = sum (2 - nu)/G, which for equal
-    materials are E* = G/(1 - nu) and G* = G/(2 (2 - nu)). The result for unequal ones may be a ratio outside 0-0.5: it
+    A rigid body has an infinite shear modulus. From 1/E* = sum (1 - nu)/(2 G) and 1/G* = sum (2 - nu)/G, which for
+    equal materials are E* = G/(1 - nu) and G* = G/(2 (2 - nu)). The ratio of unequal ones may lie outside 0-0.5: it
     only carries the two stiffnesses.
     """
     normal = 2 / ((1 - poisson_ratio_1) / shear_modulus_1 + (1 - poisson_ratio_2) / shear_modulus_2)

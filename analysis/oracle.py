@@ -60,7 +60,8 @@ class Hysteretic:
         return laws.hertz_normal_force(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
 
     def elastic_slope(self, overlap: float) -> float:
-        return 1.5 * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius) * math.sqrt(max(overlap, 0))
+        return 1.5 * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius) * math.sqrt(
+            max(overlap, 0))
 
     def shear_slope(self, overlap: float) -> float:
         return laws.mindlin_shear_stiffness(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
@@ -92,7 +93,8 @@ class ViscousHertz(Hysteretic):
 @functools.cache
 def thornton_damping_ratio(restitution: float) -> float:
     """Share of critical damping that gives a restitution (0-1) in a Hertz contact that cannot pull."""
-    coefficients = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29, -11342.18, 6276.757, -1489.915)
+    coefficients = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29, -11342.18, 6276.757,
+                    -1489.915)
     exponent = sum(c * restitution ** (k + 1) for k, c in enumerate(coefficients))
     return math.sqrt(max(0.0, 1 / (1 - (1 + restitution)**2 * math.exp(exponent)) - 1))
 
@@ -206,7 +208,7 @@ class _Contacts:
     def integrate(self, kinematics, motion, start: np.ndarray, times: np.ndarray, closed=None):
         """Return shear forces (len(times), contacts) and states (len(times), len(start)).
 
-        `kinematics(t, state)` gives for each contact (overlap, closing speed, sliding speed); `motion(t, state, forces)`
+        `kinematics(t, state)` gives for each contact (overlap, closing, sliding speed), `motion(t, state, forces)`
         the derivative of the state under forces [(normal, shear), ...].
         """
         count = len(self.laws)
@@ -223,8 +225,13 @@ class _Contacts:
                 if mode == "stick":
                     modes[k] = self._stick_or_slip(k, kinematics, t, state, len(start))
             events = self._events(modes, kinematics, len(start))
-            found = solve_ivp(lambda time, y: self._rates(time, y, modes, kinematics, motion, len(start)), (t, end), state,
-                              events=events, dense_output=True, atol=1e-12, max_step=span / 50, **TIGHT)
+            found = solve_ivp(lambda time, y: self._rates(time, y, modes, kinematics, motion, len(start)), (t, end),
+                              state,
+                              events=events,
+                              dense_output=True,
+                              atol=1e-12,
+                              max_step=span / 50,
+                              **TIGHT)
             t = found.t[-1]
             while filled < len(times) and times[filled] <= t + 1e-15 * span:
                 y = found.sol(min(times[filled], t))
@@ -360,9 +367,9 @@ def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, 
 
 def bounce_in_steps(body: Body, contact_laws, start, step: float, steps: int, every: int = 1, gravity: float = 0.0, *,
                     closing_scaled=True, slip_by_total=False):
-    """The same by the steps of a DEM code, with the laws of other codes as in `forces_along`. Error of the order of `step`.
+    """The same by the steps of a DEM code, with the laws of other codes as in `forces_along`.
 
-    Returns states (n, 6), of step 0 and each `every` steps.
+    The error is of the order of `step`. Returns states (n, 6), of step 0 and each `every` steps.
     """
     state = np.asarray(start, float).copy()
     shears, approach = [0.0] * len(contact_laws), [0.0] * len(contact_laws)

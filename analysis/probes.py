@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import derived, engines
+from . import engines
 from .scenario import Parameter, Scenario
 
 TIME_LIMIT_S = 250
@@ -70,7 +70,7 @@ class Probe:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Spheres over time, shapes (rows, spheres, 3): centres, velocities, spins, contact forces, contact torques; SI units.
+    """Spheres over time, shapes (rows, spheres, 3): centres, velocities, spins, contact forces and torques; SI units.
 
     A clump gives two spheres; velocity and spin are those of the sphere as part of it. YADE's velocities are those of
     half a step earlier.
@@ -102,7 +102,10 @@ class EngineFailure(RuntimeError):
     """An engine that did not finish; the message is one line with its own error."""
 
 
-def run_probes(code: str, probes: list[Probe], folder: Path, workers: int = 1) -> tuple[dict[str, Trajectory], dict[str, str]]:
+def run_probes(code: str,
+               probes: list[Probe],
+               folder: Path,
+               workers: int = 1) -> tuple[dict[str, Trajectory], dict[str, str]]:
     """Run all probes in one engine, below `folder`, at most `workers` at a time.
 
     Returns trajectories by name, and for probes that did not finish one line each.
@@ -134,7 +137,9 @@ def _run_yade(probes: list[Probe], folder: Path):
     listing.write_text(json.dumps(entries))
     message = "yade: no result"
     try:
-        call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing.resolve()), str(folder.resolve())], folder)
+        call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py",
+                     str(listing.resolve()),
+                     str(folder.resolve())], folder)
     except EngineFailure as error:
         message = str(error)
     found = {probe.name: _from_yade(probe, np.load(path)) for probe in probes
@@ -176,8 +181,10 @@ def _list(values) -> str:
 
 def _liggghts_case(probe: Probe) -> str:
     """The case as LIGGGHTS variables; those of balls and path segments are lists that the deck walks through."""
-    values = {"step": repr(float(probe.step)), "steps": probe.steps, "every": probe.every, "wall": ("", "linear", "hysteretic").index(probe.wall),
-              "gravity": repr(float(probe.gravity))}
+    values = {
+        "step": repr(float(probe.step)), "steps": probe.steps, "every": probe.every,
+        "wall": ("", "linear", "hysteretic").index(probe.wall), "gravity": repr(float(probe.gravity))
+    }
     if probe.balls:
         balls = probe.balls
         free = [not ball.held and not (probe.path and ball is balls[0]) for ball in balls]
@@ -202,8 +209,13 @@ def call_engine(command: list[str], folder: Path) -> None:
     log, name = folder / "engine.log", Path(command[0]).name
     with open(log, "a") as out:
         try:
-            status = subprocess.run(command, cwd=engines.ROOT, stdout=out, stderr=subprocess.STDOUT, env=ENVIRONMENT | os.environ,
-                                    stdin=subprocess.DEVNULL, timeout=TIME_LIMIT_S).returncode
+            status = subprocess.run(command,
+                                    cwd=engines.ROOT,
+                                    stdout=out,
+                                    stderr=subprocess.STDOUT,
+                                    env=ENVIRONMENT | os.environ,
+                                    stdin=subprocess.DEVNULL,
+                                    timeout=TIME_LIMIT_S).returncode
         except subprocess.TimeoutExpired:
             raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
     if status:

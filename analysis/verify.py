@@ -43,7 +43,8 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
 def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Sheet:
     sheet = Sheet(code)
     wanted = [case for case in (make(code) for make in PROBED) if not chosen or case.name in chosen]
-    found, failures = run_probes(code, [probe for case in wanted for probe in case.probes()], folder / "probes", workers)
+    found, failures = run_probes(code, [probe for case in wanted for probe in case.probes()], folder / "probes",
+                                 workers)
     for case in wanted:
         failed = [failures[probe.name] for probe in case.probes() if probe.name in failures]
         if failed:
@@ -115,6 +116,8 @@ def summary(rows) -> str:
             mine = [row for row in rows if row.case == case and row.code == code]
             line += f"{f'{sum(row.passed for row in mine)}/{len(mine)}' if mine else '-':>12}"
         lines.append(line)
-    lines += [f"FAILED {row.code} {row.case}: {row.quantity}: expected {row.expected:.6g}, measured {row.measured:.6g}, "
-              f"error {row.rel_error:.2g} > {row.tolerance:g}; {row.reason}" for row in rows if not row.passed]
+    lines += [
+        f"FAILED {row.code} {row.case}: {row.quantity}: expected {row.expected:.6g}, measured {row.measured:.6g}, "
+        f"error {row.rel_error:.2g} > {row.tolerance:g}; {row.reason}" for row in rows if not row.passed
+    ]
     return "\n".join(lines)

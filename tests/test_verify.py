@@ -143,7 +143,8 @@ def test_head_on_measures_of_a_known_motion():
     omega = math.sqrt(law.normal_stiffness / law.mass)
     touch, leave = 20.4 * probe.step, 20.4 * probe.step + math.pi / omega
     inside = (time > touch) & (time < leave)
-    overlap = np.where(inside, np.sin(omega * (time - touch)) / omega, np.where(time < touch, time - touch, leave - time))
+    overlap = np.where(inside,
+                       np.sin(omega * (time - touch)) / omega, np.where(time < touch, time - touch, leave - time))
     speed = np.where(time < touch, -1.0, np.where(inside, -np.cos(omega * (time - touch)), 0.7))
     position, velocity, force, none = (np.zeros((len(time), 1, 3)) for _ in range(4))
     position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
@@ -171,7 +172,9 @@ def test_mutations_fit_the_source(tmp_path, mutation):
     """A mutation that no longer finds its line would test nothing."""
     shutil.copytree(ROOT / "liggghts" / "src", tmp_path / "src")
     mutations.mutate(mutation, tmp_path / "src")
-    changed = [p.name for p in (tmp_path / "src").iterdir() if p.read_bytes() != (ROOT / "liggghts/src" / p.name).read_bytes()]
+    changed = [
+        p.name for p in (tmp_path / "src").iterdir() if p.read_bytes() != (ROOT / "liggghts/src" / p.name).read_bytes()
+    ]
     assert sorted(changed) == sorted({name for name, _, _ in mutation.changes})
 
 
@@ -186,14 +189,20 @@ def test_path_and_wall_dashpot(code, tmp_path):
 
 @pytest.mark.parametrize("code", engines.CODES)
 def test_impact_command(code, tmp_path):
-    """An oblique impact by file gives the restitution of its law and conserves momentum along the normal."""
-    path = write(tmp_path, GOOD.replace('motion = { value = "held", unit = "-" }', 'radius = { value = 0.02, unit = "m" }'))
-    done = subprocess.run([sys.executable, "-m", "analysis", "impact", str(path), "--code", code, "--out", str(tmp_path)],
-                          cwd=ROOT, capture_output=True, text=True)
+    """A nearly head-on impact by file gives the restitution of its law and conserves momentum."""
+    path = write(tmp_path,
+                 GOOD.replace("60.0", "3.0").replace('motion = { value = "held", unit = "-" }', 'radius = { value = 0.02, unit = "m" }'))
+    done = subprocess.run(
+        [sys.executable, "-m", "analysis", "impact",
+         str(path), "--code", code, "--out",
+         str(tmp_path)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True)
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "case.csv", newline="") as file:
         row, = csv.DictReader(file)
-    assert float(row["restitution"]) == pytest.approx(float(row["expected_restitution"]), rel=0.02)
+    assert float(row["restitution"]) == pytest.approx(float(row["expected_restitution"]), rel=0.005)
     first, second = impact.read_impact(path).balls
     momentum = first.mass * float(row["velocity_1_z_m_s"]) + second.mass * float(row["velocity_2_z_m_s"])
     assert momentum == pytest.approx(first.mass * first.velocity[2], rel=1e-6)

@@ -15,7 +15,7 @@ from pathlib import Path
 import __main__
 import numpy as np
 from yade import utils
-from yade.minieigenHP import Matrix3, Quaternion, Vector3
+from yade.minieigenHP import Vector3
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
 
 ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
@@ -30,7 +30,9 @@ O = Omega()
 
 def add_ball(ball: dict, shells: tuple) -> tuple[int, list[int]]:
     """Make a sphere; return the id of the body that moves, and those of the spheres that feel contacts."""
-    spheres = [utils.sphere(ball["position"], ball["radius"], material=material, mask=mask) for material, mask in shells]
+    spheres = [
+        utils.sphere(ball["position"], ball["radius"], material=material, mask=mask) for material, mask in shells
+    ]
     if len(spheres) == 1:
         body = O.bodies.append(spheres[0])
         members = [body]
@@ -50,7 +52,8 @@ def set_motion(body: int, velocity, spin) -> None:
     state = O.bodies[body].state
     state.vel, state.angVel = Vector3(*velocity), Vector3(*spin)
     turn = state.ori.toRotationMatrix()
-    state.angMom = turn * Matrix3(*(state.inertia[0], 0, 0, 0, state.inertia[1], 0, 0, 0, state.inertia[2])) * turn.transpose() * Vector3(*spin)
+    own = turn.transpose() * Vector3(*spin)
+    state.angMom = turn * Vector3(*(moment * speed for moment, speed in zip(state.inertia, own)))
 
 
 def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list[int]]:
@@ -120,7 +123,7 @@ def run(probe: dict, folder: Path) -> None:
 
 
 def contacts() -> list[dict]:
-    """What YADE made of the scenario's parameters in each contact of the last step: its `phys`, and the spheres' mass."""
+    """What YADE made of the scenario's parameters in each contact of the last step: its `phys`, and a sphere's mass."""
     found = []
     for i in O.interactions:
         if i.isReal:
