@@ -22,6 +22,10 @@ O = Omega()
 HEADER = "id,x_m,y_m,z_m,qw,qx,qy,qz"
 
 
+class BedError(ValueError):
+    """A bed file that cannot be used; the message is one line."""
+
+
 class Bed:
     """All clumps of the simulation.
 
@@ -91,7 +95,8 @@ class Bed:
             return 0.0
         velocity = np.array([tuple(state.vel) for state in self._states])
         spin = np.array([tuple(state.ori.conjugate() * state.angVel) for state in self._states])
-        return float(0.5 * (self.clump.mass_kg * (velocity**2).sum() + (self._inertia * spin**2).sum()) / len(self._states))
+        energies = self.clump.mass_kg * (velocity**2).sum() + (self._inertia * spin**2).sum()
+        return float(0.5 * energies / len(self._states))
 
     def number_of_bodies(self) -> np.ndarray:
         """Clump number of every YADE body, 0 for walls."""
@@ -110,20 +115,20 @@ class Bed:
 
 
 def read_bed(path: Path) -> list[tuple[int, Vector3, Quaternion]]:
-    """Number, centre (m) and orientation of each clump of a common bed file; ValueError naming file and line."""
+    """Number, centre (m) and orientation of each clump of a common bed file; BedError naming file and line."""
     bed = []
     with open(path, newline="", encoding="ascii") as file:
         reader = csv.reader(file)
         if ",".join(next(reader, [])) != HEADER:
-            raise ValueError(f"{path.name}: the first line is not {HEADER}; give a bed file")
+            raise BedError(f"{path.name}: the first line is not {HEADER}; give a bed file")
         for row in reader:
             try:
                 number, values = int(row[0]), [float(v) for v in row[1:]]
                 x, y, z, qw, qx, qy, qz = values
             except (ValueError, IndexError):
-                raise ValueError(f"{path.name}: line {reader.line_num} is not {HEADER}; write the file again") from None
+                raise BedError(f"{path.name}: line {reader.line_num} is not {HEADER}; write the file again") from None
             norm = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
             if not 0.99 < norm < 1.01:
-                raise ValueError(f"{path.name}: line {reader.line_num}: the quaternion's length is {norm:g}, not 1")
+                raise BedError(f"{path.name}: line {reader.line_num}: the quaternion's length is {norm:g}, not 1")
             bed.append((number, Vector3(x, y, z), Quaternion(qw, qx, qy, qz).normalized()))
     return bed

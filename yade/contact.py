@@ -2,8 +2,8 @@
 
 Between particles: linear springs (with a dashpot where damping_ratio > 0), or Hertz-Mindlin for the hysteretic model.
 At walls: linear springs. YADE chooses a law by the materials of the two bodies, and no material of its own gives Hertz
-between particles and a linear spring with dashpot at walls. Where walls have a dashpot every sphere is therefore doubled:
-one shell of the clump meets particles only, the other walls only. Collision masks keep them apart.
+between particles and a linear spring with dashpot at walls. Where walls have a dashpot every sphere is therefore
+doubled: one shell of the clump meets particles only, the other walls only. Collision masks keep them apart.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, FrictMat, FrictViscoMat, FrictViscoPhys,
-                          Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, InsertionSortCollider,
-                          InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
+                          Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
+                          InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+                          Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
                           Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys, Ip2_PartialSatMat_PartialSatMat_MindlinPhys,
                           Law2_ScGeom_FrictPhys_CundallStrack, Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
                           Law2_ScGeom_MindlinPhys_Mindlin, MatchMaker, MindlinPhys, Omega, PartialSatMat)
@@ -39,13 +40,15 @@ class ContactLaw:
         wall_damping = scenario["contact.particle_wall.damping_ratio"]
 
         if model == "hysteretic":
-            shear, poisson = (scenario[f"contact.particle_particle.{key}"] for key in ("shear_modulus", "poisson_ratio"))
+            shear = scenario["contact.particle_particle.shear_modulus"]
+            poisson = scenario["contact.particle_particle.poisson_ratio"]
             particle = PartialSatMat(young=2 * shear * (1 + poisson), poisson=poisson)
             self._between = Ip2_PartialSatMat_PartialSatMat_MindlinPhys()
             restitution = effective_restitution(scenario)
             if restitution < 1:
                 # es = 1: no dashpot in shear, which YADE would otherwise add
-                self._between.en, self._between.es = MatchMaker(algo="val", val=restitution), MatchMaker(algo="val", val=1.0)
+                self._between.en = MatchMaker(algo="val", val=restitution)
+                self._between.es = MatchMaker(algo="val", val=1.0)
         elif damping > 0:
             particle = FrictViscoMat(betan=damping)
             self._between = Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys()
@@ -57,7 +60,8 @@ class ContactLaw:
         self.wall = O.materials.append(FrictMat(density=density, label="wall"))
         if wall_damping > 0:
             self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
-            self.shells, self.wall_mask = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS)), MEETS_WALLS | IS_WALL
+            self.shells = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS))
+            self.wall_mask = MEETS_WALLS | IS_WALL
             self._at_walls = Ip2_FrictMat_FrictViscoMat_FrictViscoPhys()
         else:
             self.touching = self.particle
@@ -128,14 +132,14 @@ def effective_restitution(scenario) -> float:
 
 def deviations(scenario) -> list[str]:
     """Where YADE's laws differ from the paper's, one sentence each."""
-    found = ["Eq. 3 is left out, YADE has no such rule: in the step in which a contact closes the whole shear increment counts."]
+    found = ["Eq. 3 is left out, YADE has no such rule: the whole shear increment of the closing step counts."]
     if scenario["contact.model"] == "hysteretic":
         restitution = effective_restitution(scenario)
         if restitution < 1:
             found.append(
-                "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its viscous "
-                f"Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free impact at nominal "
-                f"e_n = {scenario['contact.particle_particle.restitution']:g}.")
+                "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its "
+                f"viscous Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free "
+                f"impact at nominal e_n = {scenario['contact.particle_particle.restitution']:g}.")
             found.append("The slip limit between particles includes the viscous part of the normal force.")
     elif scenario["contact.particle_particle.damping_ratio"] > 0:
         found.append("The slip limit between particles includes the dashpot's force.")

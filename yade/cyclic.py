@@ -23,8 +23,11 @@ O = Omega()
 
 
 def load(run: stage.Stage, checkpoint: Path) -> None:
-    """Take the simulation from a checkpoint. YADE keeps bodies, contacts and engines; the Python around them is made anew."""
-    O.load(str(checkpoint))
+    """Take the simulation from a checkpoint: bodies, contacts and engines; the Python around them is made anew."""
+    try:
+        O.load(str(checkpoint))
+    except RuntimeError:
+        raise stage.StageError(f"cyclic: {checkpoint.name} cannot be read; start from an earlier checkpoint") from None
     s = run.scenario
     run.step = int(O.tags["step"])
     run.bed = Bed(s, json.loads(O.tags["clumps"]))
@@ -41,7 +44,7 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
     """Load cycle by cycle; every cycle is a few blocks, after each of which the run can be stopped."""
     s, grid = run.scenario, run.grid
     if checkpoint is None:
-        raise stage.StageError("cyclic: give the checkpoint to start from, for example checkpoints/cyclic_000000.yade.gz")
+        raise stage.StageError("cyclic: give the checkpoint to start from, at first checkpoints/cyclic_000000.yade.gz")
     load(run, checkpoint)
     run.newton.damping = 0.0
     if run.step == 0:
@@ -53,7 +56,7 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
     blocks, cycles, keep = s["output.blocks_per_cycle"], s["loading.cycles"], s["output.keep_beds"]
     done = run.step // grid.steps_per_block
     for block in range(done + 1, cycles * blocks + 1):
-        # Step 0 is a row of its own, so the first block has one step more; every block ends with the row that closes it.
+        # Step 0 is a row of its own, so the first block has one step more; every block ends with the row closing it.
         run.advance(block * grid.steps_per_block + 1 - run.control.n)
         cycle, part = divmod(block, blocks)
         if part == 0:

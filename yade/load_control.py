@@ -23,13 +23,19 @@ COLUMNS = ("step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_
 PLATE_COLUMNS = ",plate_{0}_stress_Pa,plate_{0}_stress_mean_Pa,plate_{0}_displacement_m"
 
 
+def centre(block, axis: int) -> float:
+    """Middle of a box along an axis, m."""
+    return (block.low[axis] + block.high[axis]) / 2
+
+
 class Wall:
     """The sleeper (axis 2) or a plate (axis 0). Both are loaded towards smaller coordinates."""
 
-    def __init__(self, scenario, body: int, axis: int, law: str, kind: str, area_m2: float, start_m: float, outward: int):
-        """`start_m` is the body's coordinate where its displacement is 0; `outward` the sign of displacement along the load."""
+    def __init__(self, scenario, kind: str, body: int, axis: int, area_m2: float, start_m: float, outward: int):
+        """`start_m` is the coordinate at displacement 0; `outward` the sign of a displacement along the load."""
         control = derived.load_control(scenario)
-        self.body, self.axis, self.law, self.area, self.start, self.outward = body, axis, law, area_m2, start_m, outward
+        self.law = scenario[f"load_control.{kind}_law"]
+        self.body, self.axis, self.area, self.start, self.outward = body, axis, area_m2, start_m, outward
         self.mass, self.drag = control[f"{kind}_mass"], control[f"{kind}_drag"]
         self.state = O.bodies[body].state
         self.v = -self.state.vel[axis]
@@ -51,11 +57,9 @@ class LoadControl:
         """`memory` is what `memory()` returned before the simulation was saved."""
         ids, grid = Apparatus.of(box), derived.time_grid(scenario)
         self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
-        centre = [(low + high) / 2 for low, high in zip(box.sleeper.low, box.sleeper.high)]
-        self.sleeper = Wall(scenario, ids.sleeper, 2, scenario["load_control.sleeper_law"], "sleeper", box.sleeper_area_m2,
-                            centre[2], 1)
-        self.plates = [Wall(scenario, body, 0, scenario["load_control.plate_law"], "plate", box.plate_area_m2,
-                            (block.low[0] + block.high[0]) / 2, -1) for body, block in zip(ids.plates, box.plates)]
+        self.sleeper = Wall(scenario, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
+        self.plates = [Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
+                       for body, block in zip(ids.plates, box.plates)]
         self.walls = [self.sleeper, *self.plates]
         self.n, self.count, self.error, self.rows = 0, 0, 0.0, []
         self.recent = deque(maxlen=max(1, math.ceil(scenario["preload.averaging_time"] / (self.dt * self.per_row))))
@@ -96,7 +100,8 @@ class LoadControl:
     def cycle(self) -> None:
         """Load the sleeper by the cyclic signal, the plates by their constant stress."""
         s = self.scenario
-        mean, amplitude = (s["loading.stress_max"] + s["loading.stress_min"]) / 2, (s["loading.stress_max"] - s["loading.stress_min"]) / 2
+        low, high = s["loading.stress_min"], s["loading.stress_max"]
+        mean, amplitude = (high + low) / 2, (high - low) / 2
         omega_dt, plate = 2 * math.pi * s["loading.frequency"] * self.dt, s["preload.plate_stress"]
         self.targets = lambda n: (mean - amplitude * math.cos(omega_dt * n), plate)
         self._release()

@@ -36,7 +36,7 @@ def pack(run: stage.Stage, _) -> None:
     O.engines = [ForceResetter(), *law.engines(), newton]
     run.start_state_file()
 
-    # The balls of the lattice have become clumps that overlap: soft contacts first, each softness with its own time step.
+    # The balls of the lattice have become clumps that overlap: soft contacts first, each with its own time step.
     law.set_friction(0.0, 0.0)
     for fraction in s["packing.relax_stiffness"]:
         law.set_stiffness(fraction)

@@ -55,7 +55,8 @@ def preload(run: stage.Stage, _) -> None:
     while True:
         row = run.advance_or_stop(run.grid.steps_per_block)
         loaded = O.time - start
-        if loaded > s["preload.ramp_time"] + s["preload.averaging_time"] and run.control.targets_met() and run.at_rest(row):
+        ramped = loaded > s["preload.ramp_time"] + s["preload.averaging_time"]
+        if ramped and run.control.targets_met() and run.at_rest(row):
             break
         if loaded > limit:
             means = ", ".join(f"{mean / 1e3:.2f}" for mean in run.control.mean_stresses())

@@ -4,17 +4,20 @@ A stage advances in blocks of steps. After each block it appends a row to raw/st
 (SIGTERM, SIGINT), which ends it with exit code 75.
 """
 
+import gzip
 import json
 import os
 import signal
 import sys
 import traceback
+import zlib
 from pathlib import Path
 
 from yade.wrapper import Omega
 
 from analysis import derived
 from analysis.scenario import Scenario
+from bed import BedError
 from files import write_aside
 from state import StateRow
 
@@ -67,10 +70,12 @@ class Stage:
             self.control.write_rows()
         row = StateRow.measure(self.bed, self.scenario["contact.model"], self.gravity)
         if not row.kinetic_energy_J < float("inf"):
-            raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the run "
-                             "diverged; a smaller time.step is the usual remedy")
+            raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the "
+                             "run diverged; a smaller time.step is the usual remedy")
         # The rows of the cyclic stage start with step 0, so the last of them is of the step before the count.
-        step, time = (self.step - 1, (self.step - 1) * self.grid.step_s) if self.name == "cyclic" else (self.step, O.time)
+        step, time = self.step, O.time
+        if self.name == "cyclic":
+            step, time = step - 1, (step - 1) * self.grid.step_s
         with open(self.raw("state.csv"), "a", encoding="ascii") as file:
             file.write(row.line(self.name, step, time))
         return row
@@ -94,7 +99,7 @@ class Stage:
         return next(engine for engine in O.engines if engine.label == "newton")
 
     def at_rest(self, row: StateRow, criterion: str = "rest.") -> bool:
-        """True where the bed meets both criteria, the keys `criterion`unbalanced_ratio and `criterion`kinetic_energy."""
+        """True where the bed meets both limits, the keys `criterion`unbalanced_ratio and `criterion`kinetic_energy."""
         return (row.unbalanced_ratio <= self.scenario[criterion + "unbalanced_ratio"]
                 and row.kinetic_energy_J <= self.scenario[criterion + "kinetic_energy"])
 
@@ -137,13 +142,14 @@ class Stage:
             write_aside(self.raw("state.csv"), StateRow.header())
 
     def save(self, name: str) -> Path:
-        """Write checkpoints/<name>.yade.gz, aside and then renamed. The stage's step and the clump numbers travel in it."""
+        """Write checkpoints/<name>.yade.gz, aside and then renamed, with what the Python side must know in its tags."""
         folder = self.run / "checkpoints"
         O.tags["step"] = str(self.step)
         O.tags["clumps"] = json.dumps(self.bed.numbers)
         O.tags["load_control"] = json.dumps(self.control.memory())
         aside = folder / f"partial_{name}.yade.gz"      # YADE compresses by the ending
         O.save(str(aside))
+        _check_whole(aside)
         os.replace(aside, folder / f"{name}.yade.gz")
         return folder / f"{name}.yade.gz"
 
@@ -151,21 +157,36 @@ class Stage:
 def not_at_rest(stage: str, limit_s: float, row: StateRow, criterion: str = "rest.", limit_key: str = "rest.time_limit",
                 more: str = "") -> str:
     """The line that says why a bed is not accepted as being at rest."""
-    return (f"{stage}: not at rest after {limit_s:g} s: {more}unbalanced ratio {row.unbalanced_ratio:.3g}, kinetic energy "
-            f"{row.kinetic_energy_J:.3g} J per clump ({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})")
+    return (f"{stage}: not at rest after {limit_s:g} s: {more}unbalanced ratio {row.unbalanced_ratio:.3g}, "
+            f"kinetic energy {row.kinetic_energy_J:.3g} J per clump "
+            f"({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})")
+
+
+def _check_whole(path: Path) -> None:
+    """StageError unless a compressed file can be read to its end: YADE does not notice a full disk."""
+    try:
+        with gzip.open(path) as file:
+            while file.read(1 << 22):
+                pass
+    except (OSError, EOFError, zlib.error):
+        raise StageError(f"{path.name}: could not be written whole; free some space and run again") from None
 
 
 def main(name: str, procedure) -> None:
     """Run `procedure(stage, checkpoint or None)`; errors become one line and exit code 1."""
     try:
         if len(sys.argv) < 2:
-            raise StageError(f"{name}: give the run folder: yade -j1 -n -x yade/{name}.py results/PROFILE/SCENARIO/yade")
+            raise StageError(f"{name}: give the run folder, as in yade -j1 -n -x yade/{name}.py RUN_FOLDER")
         run = Path(sys.argv[1])
         if not (run / "scenario.json").exists():
             raise StageError(f"{name}: {run.name}/scenario.json is missing; `make run` writes it")
         procedure(Stage(name, run), Path(sys.argv[2]) if len(sys.argv) > 2 else None)
-    except StageError as error:
+    except (StageError, BedError) as error:
         print(f"ERROR: {error}", flush=True)
+        sys.exit(1)
+    except OSError as error:
+        print(f"ERROR: {name}: {Path(error.filename or '').name}: {error.strerror}; the run folder must be complete "
+              "and have space", flush=True)
         sys.exit(1)
     except Exception as error:      # one line for the driver, the trace for whoever reads the log
         traceback.print_exc()

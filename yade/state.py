@@ -1,4 +1,4 @@
-"""How the bed is: kinetic energy, balance of forces, overlaps, sliding contacts. One row per block, and contact files."""
+"""How the bed is: kinetic energy, balance of forces, overlaps, sliding. One row per block, and contact files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from files import write_aside
 
 O = Omega()
 LIMIT = 1 - 1e-6
-"""A contact slides where its shear force is at least this share of its limit: YADE sets it to the limit, up to rounding."""
+"""A contact slides where its shear force is at least this share of its limit, to which YADE sets it up to rounding."""
 
 
 @dataclass
@@ -42,8 +42,8 @@ class Contacts:
         table = np.array(rows).reshape(-1, 16)
         ids = table[:, :2].astype(int)
         normal = table[:, 5:8]
-        return cls(ids[:, 0], ids[:, 1], table[:, 2:5], normal, table[:, 8], np.abs(np.sum(table[:, 9:12] * normal, axis=1)),
-                   table[:, 12:15], table[:, 15])
+        pressing = np.abs(np.sum(table[:, 9:12] * normal, axis=1))
+        return cls(ids[:, 0], ids[:, 1], table[:, 2:5], normal, table[:, 8], pressing, table[:, 12:15], table[:, 15])
 
     @property
     def sliding(self) -> np.ndarray:
@@ -72,7 +72,8 @@ class StateRow:
 
     def line(self, stage: str, step: int, time_s: float) -> str:
         """This row as a line of the file."""
-        return f"{stage},{step},{time_s!r}," + ",".join(repr(getattr(self, field.name)) for field in fields(self)) + "\n"
+        values = [stage, step, repr(time_s), *(repr(getattr(self, field.name)) for field in fields(self))]
+        return ",".join(map(str, values)) + "\n"
 
     @classmethod
     def measure(cls, bed, model: str, gravity: float) -> StateRow:
@@ -102,9 +103,10 @@ def write_contacts(bed, path) -> None:
     wall = first == 0
     first, second = np.where(wall, second, first), np.where(wall, 0, second)
     normal = np.where(wall[:, None], -contacts.normal, contacts.normal)
-    shear = np.linalg.norm(contacts.shear_force_N, axis=1)
+    shear, sliding = np.linalg.norm(contacts.shear_force_N, axis=1), contacts.sliding
     lines = ["clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding"]
     for k in range(len(first)):
         values = (*contacts.point_m[k], *normal[k], contacts.overlap_m[k], contacts.normal_force_N[k], shear[k])
-        lines.append(f"{first[k]},{second[k]}," + ",".join(repr(float(v)) for v in values) + f",{int(contacts.sliding[k])}")
+        text = ",".join(repr(float(v)) for v in values)
+        lines.append(f"{first[k]},{second[k]},{text},{int(sliding[k])}")
     write_aside(path, "\n".join(lines) + "\n")
