@@ -9,7 +9,7 @@ RESULTS   ?= results
 CYCLES    ?=
 BED       ?=
 SCENARIOS ?=
-CASE      ?= nonlinear-md1-en0.6
+CASE      ?= examples/impact.toml
 
 PYTHON   ?= python3
 ANALYSIS := .venv/bin/python -m analysis

@@ -230,6 +230,8 @@ class Run:
         if not isinstance(info, dict):
             self._problem("run.json", "is no table; what the run was is taken from the folder's name")
             return {}
+        if isinstance(info.get("timing"), dict):  # kept apart in the file, because it differs between equal runs
+            info = info.pop("timing") | info
         wrong = [
             key
             for key, kind in _INFO_TYPES.items()

@@ -215,15 +215,15 @@ class Run:
     def _start_over(self) -> str:
         return "give another SEED or RESULTS, move the folder away, or delete it with `make distclean-run`"
 
-    def command_line(self) -> str:
-        """The command that does this run again, without absolute paths."""
+    def command_line(self, name: Callable[[Path], object] = record.relative) -> str:
+        """The command that does this run again; `name` shortens paths, so that run.json holds no absolute one."""
         o = self.options
         values = {"SCENARIO": self.scenario.name, "CODE": o.code, "PROFILE": o.profile, "CYCLES": o.cycles,
                   "SEED": o.seed if o.seed != 1 else None, "NP": o.ranks if o.ranks != 1 else None,
-                  "BED": o.bed and record.relative(o.bed),
-                  "RESULTS": record.relative(o.results) if o.results != ROOT / "results" else None,
-                  "SCENARIOS": record.relative(o.scenarios) if o.scenarios != SCENARIO_FILE else None}
-        return "make run " + " ".join(f"{name}={value}" for name, value in values.items() if value is not None)
+                  "BED": o.bed and name(o.bed),
+                  "RESULTS": name(o.results) if o.results != ROOT / "results" else None,
+                  "SCENARIOS": name(o.scenarios) if o.scenarios != SCENARIO_FILE else None}
+        return "make run " + " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
 
     # ------------------------------------------------------------------ the bed
 
@@ -381,7 +381,7 @@ def main(argv: list[str]) -> int:
         print(error, file=sys.stderr)
         return 1
     except Interrupted:
-        print(f"{run.title} | stopped; to go on: {run.command_line()}", file=sys.stderr)
+        print(f"{run.title} | stopped; to go on: {run.command_line(os.path.relpath)}", file=sys.stderr)
         return 128 + stop.signal
     except OSError as error:
         print(run.disk_full() if error.errno in DISK_FULL else f"{error.filename}: {error.strerror}", file=sys.stderr)
