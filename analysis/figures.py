@@ -7,6 +7,7 @@ longest of them, with a band.
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -113,10 +114,20 @@ def short_name(scenario: str) -> str:
 class Gallery:
     """Draws figures into `folder`, with the same look for the same scenario and code throughout."""
 
-    def __init__(self, folder: Path, stamp: str, runs: Runs, references: References, order: Sequence[str]):
+    def __init__(
+        self,
+        folder: Path,
+        stamp: str,
+        runs: Runs,
+        references: References,
+        order: Sequence[str],
+        problems: list[str] | None = None,
+    ):
+        """`problems` collects what could not be drawn, one line each."""
         self.folder, self.stamp, self.references = folder, stamp, references
         folder.mkdir(parents=True, exist_ok=True)
         self.figures: list[Figure] = []
+        self.problems = [] if problems is None else problems
         self._levels = self._shades(runs, order)
 
     @staticmethod
@@ -133,6 +144,12 @@ class Gallery:
             for n, name in enumerate(names):
                 levels[name] = (family, 0.0 if len(names) == 1 else -1 + 2 * n / (len(names) - 1))
         return levels
+
+    def complain(self, line: str) -> None:
+        """Say once what could not be drawn."""
+        if line not in self.problems:
+            self.problems.append(line)
+            print(f"warning: {line}", file=sys.stderr)
 
     def look(self, scenario: str) -> tuple[str, str]:
         """(colour, family) of a scenario."""
@@ -934,8 +951,10 @@ def bed_pictures(
     drawn, used = [], []
     for run in runs:
         try:
-            scene = view.load_scene(run.folder, label)
-        except view.ViewError:
+            scene = view.load_scene(run.folder, (view.last_with_contacts(run.folder) if chains else None) or label)
+        except view.ViewError as error:
+            if not isinstance(error, view.NoBed):
+                g.complain(f"{run.id}/{error}")
             continue
         key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
         heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}, {scene.title}"

@@ -66,7 +66,7 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS) -> Book:
+def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = REFERENCE_FOLDER) -> Book:
     """Read the runs below `results` and those kept in the repository, and write the site to `out`."""
     out.mkdir(parents=True, exist_ok=True)
     found = [*load_runs(results), *load_runs(kept_runs)]
@@ -76,8 +76,9 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS) -> Book:
     for line in problems:
         print(f"warning: {line}", file=sys.stderr)
     stamp = version_stamp()
-    references = load_references()
-    gallery = Gallery(out / "figures", stamp, runs, references, known_scenarios())
+    references = load_references(reference_folder)
+    problems += runs.problems
+    gallery = Gallery(out / "figures", stamp, runs, references, known_scenarios(), problems)
     book = Book(
         runs,
         variants,
@@ -86,7 +87,7 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS) -> Book:
         gallery,
         verification,
         out / "verification",
-        [*problems, *runs.problems],
+        problems,
         shown_path(results),
     )
     with style.settings():

@@ -44,15 +44,12 @@ AGREEMENT_SHOWN = (
 def agreement_table(book: Book, profile: str, shown: Sequence[str] = AGREEMENT_SHOWN) -> Table | None:
     """The codes next to each other after the last cycle that all runs of a scenario share."""
     rows = book.agreement(profile)
-    rows = rows[rows["quantity"].isin(shown)] if shown else rows
+    rows = rows[rows["quantity"].isin(shown)]
     if rows.empty:
         return None
-    last = rows.groupby("scenario")["cycle"].transform("max") == rows["cycle"]
-    rows = rows[last] if shown else rows
+    rows = rows[rows.groupby("scenario")["cycle"].transform("max") == rows["cycle"]]
     table = Table(
-        "Agreement between the codes after the last cycle that all runs of a scenario have finished"
-        if shown
-        else "All quantities in both codes",
+        "Agreement between the codes after the last cycle that all runs of a scenario have finished",
         [
             Column("scenario"),
             Column("quantity"),
@@ -335,14 +332,7 @@ def quantity_parts(book: Book, profile: str) -> list[dict]:
             f"All quantities after the last cycle of each run, {short_name(scenario)}",
             [
                 Column("quantity"),
-                *(
-                    Column(
-                        f"{CODE_NAMES.get(run.code, run.code)}{f' seed {run.seed}' if run.seed != 1 else ''}, cycle "
-                        f"{last_cycle(run)}",
-                        True,
-                    )
-                    for run in members
-                ),
+                *(Column(f"{code_of(run)}, cycle {last_cycle(run)}", True) for run in members),
             ],
         )
         reasons: dict[str, list[str]] = {}

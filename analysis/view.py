@@ -20,6 +20,7 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from . import beds, derived, render, style, tables
 from .engines import CODES
+from .run import run_folder
 from .scenario import Scenario
 
 MOVED = LinearSegmentedColormap.from_list("moved", ["#d9d5cb", "#e9c46a", "#e07b2e", "#a3273f", "#5e1a63"])
@@ -34,6 +35,10 @@ CUT_FROM_WIDTH_M = 0.25
 
 class ViewError(ValueError):
     """A run that cannot be drawn; the message is one line with the remedy."""
+
+
+class NoBed(ViewError):
+    """A run without the bed that was asked for: not packed yet, or kept without beds."""
 
 
 @dataclass(frozen=True)
@@ -55,70 +60,94 @@ class Scene:
         return derived.apparatus(self.scenario)
 
 
-def load_scene(folder: Path, label: str = "after") -> Scene:
-    """The bed of a run folder: label `packed`, `before` (end of preload) or `after` (the last cycle).
+def load_scene(folder: Path, label: str | int = "after") -> Scene:
+    """The bed of a run folder: `packed`, `before` (end of preload), `after` (the last one there is) or that of a cycle.
 
-    Raises ViewError where the bed is missing or damaged.
+    Raises NoBed where there is none, ViewError where it is damaged.
     """
     folder = Path(folder)
+    cycle, path = _bed_file(folder, label)
+    if not path.exists():
+        raise NoBed(
+            f"{path.name}: is not there; run it at least that far, or again where the run was kept without beds"
+        )
     try:
         scenario = Scenario.from_json((folder / "scenario.json").read_text())
-        bed = beds.read_bed(folder / {"packed": "raw/bed_packed.csv"}.get(label, f"bed_{label}.csv"))
+        bed = beds.read_bed(path)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ViewError(f"{folder.name}: no bed {label!r} to draw ({error}); run it at least that far") from None
-    down, out = _places(folder, label)
-    contacts_label, title, moved = "preloaded", "after preload", None
-    if label == "packed":
-        contacts_label, title = "packed", "after packing"
-    if label == "after":
-        cycle = _last_cycle(folder)
-        contacts_label, title = f"cycle_{cycle:06d}", f"after {cycle} cycle{'s' if cycle != 1 else ''}"
-        moved = _displacement(folder / "bed_before.csv", bed)
+        raise ViewError(f"{' '.join(str(error).split())}; the bed is not drawn") from None
+    down, out = _places(folder, cycle)
     box = derived.apparatus(scenario)
-    plates = tuple(_shifted(plate, (shift, 0, 0)) for plate, shift in zip(box.plates, out))
+    title = {None: "after packing", 0: "after preload", 1: "after 1 cycle"}.get(cycle, f"after {cycle} cycles")
+    contacts = {None: "packed", 0: "preloaded"}.get(cycle, f"cycle_{cycle or 0:06d}")
     return Scene(
         scenario,
         title,
         bed,
-        moved,
+        _displacement(folder / "bed_before.csv", bed) if cycle else None,
         _shifted(box.sleeper, (0, 0, -down)),
-        plates,
-        _contacts(folder / "raw" / f"contacts_{contacts_label}.csv"),
+        tuple(_shifted(plate, (shift, 0, 0)) for plate, shift in zip(box.plates, out, strict=True)),
+        _contacts(folder / "raw" / f"contacts_{contacts}.csv"),
     )
 
 
-def _shifted(block: derived.Block, by) -> derived.Block:
-    return derived.Block(tuple(a + b for a, b in zip(block.low, by)), tuple(a + b for a, b in zip(block.high, by)))
-
-
-def _last_cycle(folder: Path) -> int:
-    try:
-        return int(pd.read_csv(folder / "cycles.csv", usecols=["cycle"])["cycle"].iloc[-1])
-    except (OSError, ValueError, IndexError, KeyError):
-        raise ViewError(f"{folder.name}: cycles.csv has no finished cycle; run it on") from None
-
-
-def _places(folder: Path, label: str) -> tuple[float, list[float]]:
-    """How far the sleeper is down and each plate out, m, since packing; 0 where it is not known."""
-    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
-    down, out = 0.0, np.zeros(len(tables.PLATES))
+def _bed_file(folder: Path, label: str | int) -> tuple[int | None, Path]:
+    """Cycle (None: packed, 0: end of preload) and file of a bed."""
     if label == "packed":
-        return down, list(out)
-    try:
-        start = pd.read_csv(folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].to_numpy(float)[0]
-        down, out = start[0], start[1:]
-    except (OSError, ValueError, IndexError, KeyError):
-        pass  # committed runs have no raw files: their preload displacement is not drawn
+        return None, folder / "raw" / "bed_packed.csv"
+    if label == "before":
+        return 0, folder / "bed_before.csv"
     if label == "after":
-        try:
-            last = pd.read_csv(folder / "cycles.csv").iloc[-1]
-            down, out = (
-                down + last["settlement_m"],
-                out + last[[f"lateral_{k}_m" for k in tables.PLATES]].to_numpy(float),
-            )
-        except (OSError, ValueError, IndexError, KeyError):
-            pass
-    return float(down), [float(v) for v in out]
+        done = _cycles(folder)
+        last = int(done.index[-1]) if len(done) else 0
+        kept = [cycle for cycle in _kept(folder, "bed") if cycle <= last]
+        if not kept or not last:
+            return last, folder / "bed_after.csv"
+        label = kept[-1]
+    return int(label), folder / "raw" / f"bed_cycle_{int(label):06d}.csv"
+
+
+def last_with_contacts(folder: Path) -> int | None:
+    """The last cycle whose bed and contacts are both there."""
+    both = set(_kept(folder, "bed")) & set(_kept(folder, "contacts")) & set(_cycles(folder).index)
+    return max(both, default=None)
+
+
+def _kept(folder: Path, what: str) -> list[int]:
+    found = (path.stem.rpartition("_")[2] for path in (folder / "raw").glob(f"{what}_cycle_*.csv"))
+    return sorted(int(number) for number in found if number.isdigit())
+
+
+def _shifted(block: derived.Block, by) -> derived.Block:
+    return derived.Block(
+        tuple(a + b for a, b in zip(block.low, by, strict=True)),
+        tuple(a + b for a, b in zip(block.high, by, strict=True)),
+    )
+
+
+def _cycles(folder: Path) -> pd.DataFrame:
+    """Displacements of sleeper and plates (m) by cycle; no rows where there are none."""
+    columns = ["cycle", "settlement_m", *(f"lateral_{k}_m" for k in tables.PLATES)]
+    try:
+        return pd.read_csv(folder / "cycles.csv", usecols=columns)[columns].astype({"cycle": int}).set_index("cycle")
+    except (OSError, ValueError):
+        return pd.DataFrame(columns=columns).set_index("cycle")
+
+
+def _places(folder: Path, cycle: int | None) -> tuple[float, list[float]]:
+    """How far the sleeper is down and each plate out since packing, m; what is not known counts as 0."""
+    if cycle is None:
+        return 0.0, [0.0] * len(tables.PLATES)
+    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
+    moved = np.zeros(len(columns))
+    try:
+        moved = moved + pd.read_csv(folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].to_numpy(float)[0]
+    except (OSError, ValueError, IndexError):
+        pass  # committed runs have no raw files: their preload displacement is not drawn
+    done = _cycles(folder)
+    if cycle in done.index:
+        moved = moved + np.nan_to_num(done.loc[cycle].to_numpy(float))
+    return float(moved[0]), [float(v) for v in moved[1:]]
 
 
 def _displacement(before: Path, bed: pd.DataFrame) -> np.ndarray | None:
@@ -441,36 +470,32 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path("results"))
     options = parser.parse_args(argv)
-    run = (
-        options.results
-        / options.profile
-        / options.scenario
-        / (options.code if options.seed == 1 else f"{options.code}-seed{options.seed}")
-    )
-    folder = run / "view"
-    written, reasons = [], []
+    run = run_folder(options.results, options.profile, options.scenario, options.code, options.seed)
+    written, reason = [], ""
     for label in ("packed", "before", "after"):
         try:
-            scene = load_scene(run, label)
+            written += _write_view(run, label, f"{options.scenario} {options.profile} {run.name}")
         except ViewError as error:
-            reasons.append(str(error))
-            continue
-        folder.mkdir(exist_ok=True)
-        stamp = (
-            f"{options.scenario} {options.profile} {options.code} seed {options.seed}, scenario {scene.scenario.hash}"
-        )
-        with style.settings():
-            drawings = [
-                bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20),
-                bed_panel(scene, f"section_{label}"),
-                chain_panel(scene, f"force_chains_{label}"),
-            ]
-            for drawing in filter(None, drawings):
-                style.save(drawing, folder, stamp)
-                written.append(folder / f"{drawing.name}.png")
-        written += write_paraview(scene, folder, label)
+            reason = str(error)
     if not written:
-        print("view: " + reasons[-1], file=sys.stderr)
+        print(f"view: {run}/{reason}", file=sys.stderr)
         return 1
     print("\n".join(str(path) for path in written))
     return 0
+
+
+def _write_view(run: Path, label: str, name: str) -> list[Path]:
+    """Pictures and ParaView files of one bed of a run."""
+    scene, folder = load_scene(run, label), run / "view"
+    chained = last_with_contacts(run) if label == "after" and scene.contacts is None else None
+    folder.mkdir(exist_ok=True)
+    with style.settings():
+        drawings = [
+            bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20),
+            bed_panel(scene, f"section_{label}"),
+            chain_panel(load_scene(run, chained) if chained else scene, f"force_chains_{label}"),
+        ]
+        for drawing in filter(None, drawings):
+            style.save(drawing, folder, f"{name}, {scene.title}, scenario {scene.scenario.hash}")
+    pictures = [folder / f"{drawing.name}.png" for drawing in drawings if drawing]
+    return [*pictures, *write_paraview(scene, folder, label)]

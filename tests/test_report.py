@@ -1,0 +1,406 @@
+"""The report: complete, self-contained pages and files from whatever runs there are, and pictures without a display."""
+
+import base64
+import json
+import re
+import struct
+import warnings
+import xml.etree.ElementTree as xml
+from html.parser import HTMLParser
+
+import numpy as np
+import pandas as pd
+import pytest
+from synthetic import write_run
+
+from analysis import beds, derived, render, report, style, view
+from analysis.report_words import number
+from analysis.scenario import load_scenario
+
+PAGES = [file for file, *_ in report.PAGES]
+VOID = {"meta", "link", "br", "img", "input", "hr", "line", "rect", "circle", "path", "use", "image", "polygon"}
+LOADING = {
+    "script": "src",
+    "link": "href",
+    "img": "src",
+    "image": "href",
+    "iframe": "src",
+    "source": "src",
+    "use": "href",
+}
+CASES = [
+    "code,case,quantity,expected,measured,abs_error,rel_error,tolerance,passed,reason",
+    "liggghts,impact_linear,restitution,0.8279,0.8280,0.0001,0.00012,0.002,true,",
+    "yade,impact_linear,restitution,0.8279,0.80,0.0279,0.0337,0.005,false,wrong on purpose",
+]
+CURVES = "series,time_s,force_N,force_N_expected\n" + "".join(
+    f"slow,{t},{3 * t},{3 * t + 0.01}\nfast,{t},{5 * t},{5 * t}\n" for t in range(12)
+)
+
+
+class Page(HTMLParser):
+    """Links, ids and what a page loads; unbalanced tags are errors."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.text, self.open, self.ids, self.loads, self.links, self.words = text, [], [], [], [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_starttag(self, tag, attrs, closed=False):
+        attrs = dict(attrs)
+        self.ids += [attrs["id"]] if "id" in attrs else []
+        target = attrs.get(LOADING.get(tag, ""), attrs.get("xlink:href") if tag in LOADING else None)
+        self.loads += [target] if target else []
+        self.links += [attrs["href"]] if tag == "a" and "href" in attrs else []
+        if tag not in VOID and not closed:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs, closed=True)
+
+    def handle_endtag(self, tag):
+        if tag not in VOID:
+            assert self.open and self.open[-1] == tag, f"</{tag}> closes {self.open[-3:]}"
+            self.open.pop()
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1] not in ("script", "style"):
+            self.words.append(data)
+
+    @property
+    def says(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+def build(results, out):
+    """Build a report from `results` alone; any warning is an error. Returns the pages by file name."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        report.build(results, out, kept_runs=results / "none")
+    return {file: Page((out / file).read_text(encoding="utf-8")) for file in PAGES}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """A report from runs of both codes, two seeds, an added scenario, and a verification: (results, folder, pages)."""
+    root = tmp_path_factory.mktemp("site")
+    results, out = root / "results", root / "report"
+    for code in ("liggghts", "yade"):
+        write_run(results, "demo", "linear-mu0.8", code, cycles=24)
+    write_run(results, "demo", "linear-mu0.8", "liggghts", cycles=24, seed=2, rng=3, noise=0.05)
+    write_run(
+        results,
+        "demo",
+        "nonlinear-md1-en0.6",
+        "yade",
+        cycles=4,
+        info={
+            "deviations": ["a restitution-equivalent law & <other> things"],
+            "state": "interrupted",
+            "reason": "killed",
+        },
+    )
+    scenarios = root / "scenarios.toml"
+    scenarios.write_text(
+        (report.ROOT / "scenarios.toml").read_text()
+        + """
+[scenario."stiff-plates"]
+title = "Plates that do not move"
+base = "linear-mu0.8"
+load_control.plate_law = { value = "fixed", unit = "-", status = "assumed", source = "a test" }
+"""
+    )
+    write_run(results, "demo", "stiff-plates", "liggghts", cycles=24, scenario_file=scenarios)
+    (out / "verification").mkdir(parents=True)
+    (out / "verification.csv").write_text("\n".join(CASES) + "\n")
+    (out / "verification" / "impact_linear_liggghts.csv").write_text(CURVES)
+    return results, out, build(results, out)
+
+
+# ------------------------------------------------------------------ pages
+
+
+def test_every_figure_has_its_files(site):
+    _, out, pages = site
+    names = sorted(set(re.findall(r'href="figures/([^"]+)\.svg"', "".join(p.text for p in pages.values()))))
+    assert len(names) > 25
+    assert {p.stem for p in (out / "figures").iterdir()} == set(names), (
+        "files that no page shows, or figures without files"
+    )
+    for name in names:
+        svg, png, csv = ((out / "figures" / name).with_name(f"{name}.{end}") for end in ("svg", "png", "csv"))
+        assert xml.parse(svg).getroot().tag.endswith("svg")
+        assert png.read_bytes().startswith(b"\x89PNG") and png.stat().st_size > 5000
+        table = pd.read_csv(csv)
+        assert len(table) > 0 and not [c for c in table if c.startswith("Unnamed")]
+
+
+def test_pages_load_nothing_and_link_to_what_exists(site):
+    _, out, pages = site
+    for file, page in pages.items():
+        assert [t for t in page.loads if not t.startswith(("data:", "#"))] == [], file
+        style_text = " ".join(re.findall(r"<style>(.*?)</style>", page.text, re.S))
+        assert "@import" not in style_text and not re.findall(r"url\((?!['\"]?(?:data:|#))", style_text)
+        for link in page.links:
+            target = link.partition("#")[0]
+            assert link.startswith("https://doi.org/") or (out / target).exists() or not target, f"{file}: {link}"
+        assert len(page.ids) == len(set(page.ids)), f"{file}: an id occurs twice"
+        assert (
+            '<meta name="viewport"' in page.text
+            and "prefers-color-scheme: dark" in page.text
+            and "@media print" in page.text
+        )
+        assert str(report.ROOT) not in page.text, f"{file}: a path of this machine"
+
+
+def test_overview_puts_the_known_first_and_names_what_is_pending(site):
+    says = site[2]["index.html"].says
+    assert says.index("Known") < says.index("Pending") < says.index("Settlement of the sleeper")
+    for words in (
+        "not the paper's bed",
+        "No full-size run yet",
+        "reference curves of",
+        "not digitised yet",
+        "Verification: 1 of 2 comparisons",
+        "stiff-plates",
+        "2 seeds",
+    ):
+        assert words in says, words
+
+
+def test_scenario_that_a_user_added_is_drawn(site):
+    _, out, pages = site
+    assert "Plates that do not move" in pages["runs.html"].says
+    assert (out / "figures" / "own-settlement-linear.svg").exists()
+    assert (
+        "load_control.plate_law" in pages["assumptions.html"].says
+    )  # the only run pair that differs in one assumption
+
+
+def test_claims_are_all_there_with_a_verdict_for_each_code(site):
+    page = site[2]["claims.html"]
+    for n in range(1, 12):
+        assert f"claim-{n}" in page.ids
+    verdicts = re.findall(r'<td class=""><span class="chip \w+">([^<]+)</span>', page.text.partition("</table>")[0])
+    assert len(verdicts) == 22 and set(verdicts) <= {"holds", "does not hold", "not decidable yet"}
+
+
+def test_verification_shows_failures(site):
+    page = site[2]["verification.html"]
+    assert "1 of 2 comparisons pass" in page.says and "wrong on purpose" in page.says
+    assert "verification-impact_linear-force_N" in page.text
+
+
+def test_runs_page_tells_state_deviations_and_command(site):
+    page = site[2]["runs.html"]
+    for words in (
+        "interrupted",
+        "killed",
+        "a restitution-equivalent law & <other> things",
+        "make run SCENARIO=linear-mu0.8 CODE=yade",
+    ):
+        assert words in page.says, words
+
+
+def test_every_parameter_is_listed_with_its_status(site):
+    page = site[2]["assumptions.html"]
+    for key, parameter in load_scenario("linear-mu0.8").parameters.items():
+        assert re.search(rf'<tr data-status="\w+"><th scope="row"><code>{re.escape(key)}</code>', page.text), key
+    assert parameter.source.split(";")[0][:30] in page.says
+
+
+def test_hovering_shows_the_runs_own_numbers(site):
+    results, _, pages = site
+    scripts = re.findall(r'<script type="application/json">(.*?)</script>', pages["index.html"].text, re.S)
+    curves = {s["label"]: s for text in scripts for d in [json.loads(text)] if d["unit"] == "mm" for s in d["series"]}
+    cycles = pd.read_csv(results / "demo" / "linear-mu0.8" / "yade" / "cycles.csv").set_index("cycle")
+    shown = dict(zip(curves["linear μ 0.8 YADE"]["x"], curves["linear μ 0.8 YADE"]["y"], strict=True))
+    assert shown[24] == pytest.approx(1e3 * cycles["settlement_m"][24], rel=1e-4)
+
+
+def test_no_runs_at_all(tmp_path):
+    pages = build(tmp_path / "results", tmp_path / "report")
+    assert "No runs yet" in pages["index.html"].says and "make demo" in pages["index.html"].says
+    assert (tmp_path / "report" / "figures" / "figure9-restitution.svg").exists()
+
+
+def test_broken_runs_cost_one_line_each_and_hide_nothing(tmp_path, capsys):
+    _, torn, mad = (
+        write_run(tmp_path, "demo", "linear-mu0.8", code, cycles=6, seed=seed)
+        for code, seed in (("yade", 1), ("liggghts", 1), ("liggghts", 2))
+    )
+    text = (torn / "cycles.csv").read_text()
+    (torn / "cycles.csv").write_text(text[:-40])
+    (torn / "bed_after.csv").write_text("id,x_m\n1,2\n")
+    (mad / "run.json").write_bytes(b"\xff\xfe{")
+    (mad / "history.csv").write_text("")
+    pages = build(tmp_path, tmp_path / "report")
+    lines = capsys.readouterr().err.splitlines()
+    assert all(line.startswith("warning: demo/") for line in lines), lines
+    assert len(lines) == len(set(lines)) and {line.split(":")[1].strip() for line in lines} >= {
+        "demo/linear-mu0.8/liggghts/cycles.csv",
+        "demo/linear-mu0.8/liggghts/bed_after.csv",
+        "demo/linear-mu0.8/liggghts-seed2/run.json",
+    }
+    assert "ends in mid-line" in pages["runs.html"].says
+    assert "linear μ 0.8, YADE 6" in pages["index.html"].says
+
+
+def test_same_runs_give_the_same_files_without_a_word(tmp_path, capsys):
+    write_run(tmp_path / "results", "demo", "nonlinear-en1.0", "liggghts", cycles=3)
+    contents = []
+    for out in ("one", "two"):
+        build(tmp_path / "results", tmp_path / out)
+        contents.append({p.relative_to(tmp_path / out): p.read_bytes() for p in sorted((tmp_path / out).rglob("*.*"))})
+    assert capsys.readouterr().err == ""
+    assert contents[0].keys() == contents[1].keys()
+    assert [name for name, content in contents[0].items() if content != contents[1][name]] == []
+
+
+def test_longest_of_equal_runs_is_drawn_and_the_other_named(tmp_path):
+    short = report.load_runs(write_run(tmp_path / "a", cycles=3).parents[2])[0]
+    long = report.load_runs(write_run(tmp_path / "b", cycles=5).parents[2])[0]
+    chosen, left_out = report.choose([short, long])
+    assert list(chosen) == [long] and [run for run, _ in left_out] == [short]
+
+
+def test_command_prints_one_line_for_a_scenario_file_that_cannot_be_used(tmp_path, monkeypatch, capsys):
+    def refuse(*_):
+        raise report.ScenarioError("scenarios.toml: base.x is refused; allowed: y")
+
+    monkeypatch.setattr(report, "build", refuse)
+    assert report.main(["--results", str(tmp_path), "--out", str(tmp_path / "r")]) == 1
+    assert capsys.readouterr().err == "report: scenarios.toml: base.x is refused; allowed: y\n"
+
+
+# ------------------------------------------------------------------ words and colours
+
+
+@pytest.mark.parametrize(
+    "value, digits, factor, text",
+    [
+        (0.0012345, 3, 1e3, "1.23"),
+        (4583, 3, 1, "4583"),
+        (-0.5, 2, 1, "−0.5"),
+        (float("nan"), 3, 1, "–"),
+        (None, 3, 1, "–"),
+        ("x", 3, 1, "–"),
+        (2.652e-5, 4, 1, "2.652·10⁻⁵"),
+        (1e8, 3, 1, "1·10⁸"),
+        (123456, 2, 1, "123456"),
+        (0, 3, 1, "0"),
+    ],
+)
+def test_numbers_for_people(value, digits, factor, text):
+    assert number(value, digits, factor) == text
+
+
+def _seen(colour, defect):
+    """CIE Lab of a colour as seen with full protanopia, deuteranopia or tritanopia (Machado, Oliveira and Fernandes
+    2009).
+    """
+    matrix = {
+        "none": np.eye(3),
+        "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    }[defect]
+    srgb = np.array([int(colour[n : n + 2], 16) for n in (1, 3, 5)]) / 255
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    linear = np.clip(np.array(matrix) @ linear, 0, 1)
+    xyz = (
+        np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+        @ linear
+        / [0.9505, 1, 1.089]
+    )
+    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize("defect", ["none", "protan", "deutan", "tritan"])
+@pytest.mark.parametrize("page", [0, 1], ids=["light", "dark"])
+def test_hues_of_the_families_stay_apart(defect, page):
+    hues = [style.PALETTE[name][page] for name in ("linear", "nonlinear", "md0", "md1", "md2")]
+    for n, one in enumerate(hues):
+        for other in hues[:n]:
+            assert np.linalg.norm(_seen(one, defect) - _seen(other, defect)) > 15, (one, other)
+
+
+def test_labels_are_moved_apart_in_their_order_and_inside():
+    placed = style._apart(np.array([0.0, 1.0, 1.5, 90.0]), 10, -5, 105)
+    assert np.diff(placed).min() >= 9.99 and placed.min() >= -5 and abs(placed[3] - 90) < 1
+    assert np.ptp(style._apart(np.zeros(50), 10, 0, 100)) <= 100  # more than there is room for
+
+
+# ------------------------------------------------------------------ pictures
+
+VIEW = render.camera(np.array([[-1.0, -1, -1], [1, 1, 1]]))
+
+
+def test_nearer_sphere_hides_the_farther_one():
+    centres = np.array([[0.0, 0.5, 0], [0, -0.5, 0]])  # the camera looks along +y
+    image = render.render(centres, 0.3, np.array([[1.0, 0, 0], [0, 1, 0]]), np.array([1, 2]), VIEW, width=120)
+    rows, columns, _ = image.shape
+    red, green, _, alpha = image[rows // 2, columns // 2]
+    assert alpha == 255 and green > 60 and green > 5 * red
+    assert image[2, 2, 3] == 0
+    covered = (image[..., 3] > 127).sum() * (2.02 / 120) ** 2  # margin_m is 0.01 at each side
+    assert covered == pytest.approx(np.pi * 0.3**2, rel=0.02)
+
+
+def test_glass_is_seen_before_a_sphere_and_not_behind_it():
+    sphere, colour = np.array([[0.0, 0, 0]]), np.array([[1.0, 1, 1]])
+    bare = render.render(sphere, 0.3, colour, np.array([1]), VIEW, width=120)
+    for near, changed in ((-0.9, True), (0.8, False)):
+        glass = render.box_faces((-0.6, near, -0.6), (0.6, near + 0.1, 0.6), VIEW, (0, 0, 1), 0.5)
+        image = render.render(sphere, 0.3, colour, np.array([1]), VIEW, 120, glass)
+        assert (image[60, 60, 0] < bare[60, 60, 0] - 20) == changed
+        assert image[30, 60, 3] > 100  # beside the sphere it is seen either way
+
+
+@pytest.mark.parametrize("azimuth, elevation", [(0, 0), (-28, 20), (90, 0), (35, 60)])
+def test_camera_axes_are_orthonormal_and_up_is_up(azimuth, elevation):
+    eye = render.camera(np.eye(3), azimuth, elevation)
+    axes = np.stack([eye.right, eye.up, eye.towards])
+    assert np.allclose(axes @ axes.T, np.eye(3)) and eye.up[2] >= 0
+    assert eye.towards[2] == pytest.approx(np.sin(np.radians(elevation)))
+
+
+def test_scene_puts_sleeper_and_plates_where_they_stand(tmp_path):
+    folder = write_run(tmp_path, "demo", "linear-mu0.8", "yade", cycles=3)
+    before, after = (view.load_scene(folder, label) for label in ("before", "after"))
+    last = pd.read_csv(folder / "cycles.csv").iloc[-1]
+    assert before.sleeper.low[2] - after.sleeper.low[2] == pytest.approx(last["settlement_m"])
+    assert after.plates[2].low[0] - before.plates[2].low[0] == pytest.approx(last["lateral_3_m"])
+    moved = beds.positions(after.bed) - beds.positions(before.bed)
+    assert np.allclose(after.moved_m, moved) and before.moved_m is None
+
+
+def test_view_writes_pictures_and_files_for_paraview(tmp_path, capsys):
+    folder = write_run(tmp_path, "demo", "linear-mu0.8", "liggghts", cycles=2, seed=3)
+    assert view.main(["linear-mu0.8", "--code", "liggghts", "--seed", "3", "--results", str(tmp_path)]) == 0
+    written = capsys.readouterr().out.split()
+    assert {name.rpartition("/")[2] for name in written} >= {
+        "bed_after.png",
+        "section_after.png",
+        "force_chains_after.png",
+        "spheres_after.vtp",
+        "walls_after.vtp",
+        "force_chains_after.vtp",
+    }
+    root = xml.parse(folder / "view" / "spheres_after.vtp").getroot()
+    arrays = {a.get("Name"): a for a in root.iter("DataArray")}
+    content = base64.b64decode(arrays["Points"].text)
+    assert struct.unpack("<Q", content[:8])[0] == len(content) - 8
+    scene = view.load_scene(folder, "after")
+    expected = beds.sphere_centres(scene.bed, derived.clump(scene.scenario).half_distance_m)
+    assert np.array_equal(np.frombuffer(content[8:], "<f8").reshape(-1, 3), expected)
+    assert int(root.find("PolyData/Piece").get("NumberOfPoints")) == len(expected)
+
+
+def test_view_of_a_run_that_is_not_there(tmp_path, capsys):
+    assert view.main(["linear-mu0.8", "--code", "yade", "--results", str(tmp_path)]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("view: ") and error.count("\n") == 1
