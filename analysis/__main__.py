@@ -23,9 +23,11 @@ def main(argv: list[str]) -> int:
     """Hand the arguments to the module of the command, imported only now so that each stays quick to start."""
     if not argv or argv[0] not in COMMANDS:
         unknown = argv and argv[0] not in ("-h", "--help")
-        print("usage: python -m analysis COMMAND ... (each has --help)\n\n"
-              + "\n".join(f"  {name:10} {purpose}" for name, purpose in COMMANDS.items()),
-              file=sys.stderr if unknown else sys.stdout)
+        print(
+            "usage: python -m analysis COMMAND ... (each has --help)\n\n"
+            + "\n".join(f"  {name:10} {purpose}" for name, purpose in COMMANDS.items()),
+            file=sys.stderr if unknown else sys.stdout,
+        )
         return 2 if unknown else 0
     return importlib.import_module(f".{argv[0]}", "analysis").main(argv[1:]) or 0
 

@@ -17,16 +17,41 @@ from .engines import CODES, ROOT
 from .rawfiles import last_rows
 
 SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
-PRELOADED = ("scenario.json", "run.json", "raw/bed_*ed.csv", "raw/preload.csv", "raw/state.csv", "checkpoints/cyclic_000000*")
-COLUMNS = ("profile", "scenario", "code", "version", "ranks", "clumps", "contacts", "steps", "wall_s", "steps_per_second",
-           "ratio_to_yade", "hours_per_1000_cycles", "cpu", "load_average")
+PRELOADED = (
+    "scenario.json",
+    "run.json",
+    "raw/bed_*ed.csv",
+    "raw/preload.csv",
+    "raw/state.csv",
+    "checkpoints/cyclic_000000*",
+)
+COLUMNS = (
+    "profile",
+    "scenario",
+    "code",
+    "version",
+    "ranks",
+    "clumps",
+    "contacts",
+    "steps",
+    "wall_s",
+    "steps_per_second",
+    "ratio_to_yade",
+    "hours_per_1000_cycles",
+    "cpu",
+    "load_average",
+)
 
 
-def measure(profile: str, name: str, code: str, cycles: int, ranks: int, results: Path, work: Path) -> dict[str, str | int | float]:
+def measure(
+    profile: str, name: str, code: str, cycles: int, ranks: int, results: Path, work: Path
+) -> dict[str, str | int | float]:
     """Load a preloaded bed for some cycles. The bed comes from `results`, where it is made if it is not there yet."""
     arguments = [name, "--code", code, "--profile", profile, "--ranks", str(ranks)]
     source, folder = (run.run_folder(base, profile, name, code, 1) for base in (results, work))
-    if not (source / "raw" / "bed_preloaded.csv").exists() and run.main([*arguments, "--results", str(results), "--until", "preload"]):
+    if not (source / "raw" / "bed_preloaded.csv").exists() and run.main(
+        [*arguments, "--results", str(results), "--until", "preload"]
+    ):
         raise SystemExit(1)
     for pattern in PRELOADED:
         for path in source.glob(pattern):
@@ -38,9 +63,27 @@ def measure(profile: str, name: str, code: str, cycles: int, ranks: int, results
         raise SystemExit(1)
     body, last = record.read(folder), last_rows(folder / "raw" / "state.csv")["cyclic"]
     steps, speed = body["steps"]["cyclic"], body["timing"]["steps_per_second"]["cyclic"]
-    return dict(zip(COLUMNS, (
-        profile, name, code, body["versions"]["engine"], ranks, body["clumps"], int(float(last["contacts"])), steps,
-        body["timing"]["wall_s"]["cyclic"], speed, None, round(1000 * steps / cycles / speed / 3600, 2), cpu(), f"{load:.1f}")))
+    return dict(
+        zip(
+            COLUMNS,
+            (
+                profile,
+                name,
+                code,
+                body["versions"]["engine"],
+                ranks,
+                body["clumps"],
+                int(float(last["contacts"])),
+                steps,
+                body["timing"]["wall_s"]["cyclic"],
+                speed,
+                None,
+                round(1000 * steps / cycles / speed / 3600, 2),
+                cpu(),
+                f"{load:.1f}",
+            ),
+        )
+    )
 
 
 def cpu() -> str:
@@ -62,7 +105,10 @@ def main(argv: list[str]) -> int:
     rows = []
     with tempfile.TemporaryDirectory(prefix="bench") as work:
         for name in SCENARIOS:
-            pair = [measure(options.profile, name, code, options.cycles, options.ranks, options.results, Path(work)) for code in CODES]
+            pair = [
+                measure(options.profile, name, code, options.cycles, options.ranks, options.results, Path(work))
+                for code in CODES
+            ]
             for row in pair:
                 row["ratio_to_yade"] = round(row["steps_per_second"] / pair[CODES.index("yade")]["steps_per_second"], 2)
             rows += pair
@@ -71,9 +117,11 @@ def main(argv: list[str]) -> int:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    print(f"{'scenario':16} {'code':9} {'clumps':>6} {'contacts':>8} {'steps/s':>8} {'ratio':>6} {'h per 1000 cycles':>18}")
+    print(f"{'scenario':16} {'code':9} {'clumps':>6} {'contacts':>8} {'steps/s':>8} {'ratio':>6} {'h/1000 cycles':>14}")
     for row in rows:
-        print("{scenario:16} {code:9} {clumps:6} {contacts:8} {steps_per_second:8.0f} {ratio_to_yade:6.2f} "
-              "{hours_per_1000_cycles:18.1f}".format(**row))
+        print(
+            "{scenario:16} {code:9} {clumps:6} {contacts:8} {steps_per_second:8.0f} {ratio_to_yade:6.2f} "
+            "{hours_per_1000_cycles:14.1f}".format(**row)
+        )
     print(f"{cpu()}; load average {rows[0]['load_average']} at the start; written to {options.out}")
     return 0

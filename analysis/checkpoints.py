@@ -1,7 +1,7 @@
 """Checkpoints of the cyclic stage and the checksums that make them trustworthy.
 
-The engine writes checkpoints/cyclic_<cycle>[_block<b>].<suffix>; the driver adds <checkpoint>.json once all output up to
-that moment is safe on the disk. A checkpoint without it does not count.
+The engine writes checkpoints/cyclic_<cycle>[_block<b>].<suffix>; the driver adds <checkpoint>.json once all output up
+to that moment is safe on the disk. A checkpoint without it does not count.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from .derived import TimeGrid
 from .rawfiles import sync, write_text
 
-KEEP = 2        # besides the one that preload ends with, so that one can be damaged
+KEEP = 2  # besides the one that preload ends with, so that one can be damaged
 NAME = re.compile(r"cyclic_(\d{6,})(?:_block(\d+))?\.(?:restart|yade\.gz)")
 
 
@@ -51,8 +51,13 @@ class Checkpoint:
     def certify(self, grid: TimeGrid, *outputs: Path) -> None:
         """Write the checksum, after the checkpoint and the output files up to it are on the disk."""
         sync(self.path, *outputs)
-        body = {"sha256": _sha256(self.path), "cycle": self.cycle, "block": self.block, "step": self.step(grid),
-                "bytes": self.path.stat().st_size}
+        body = {
+            "sha256": _sha256(self.path),
+            "cycle": self.cycle,
+            "block": self.block,
+            "step": self.step(grid),
+            "bytes": self.path.stat().st_size,
+        }
         write_text(self.sidecar, json.dumps(body))
 
     def delete(self) -> None:
@@ -79,7 +84,7 @@ def listed(folder: Path) -> list[Checkpoint]:
 
 
 def last_good(folder: Path, before_cycle: int, warn: Callable[[str], None]) -> Checkpoint | None:
-    """The latest good checkpoint with fewer than `before_cycle` cycles; later ones that are damaged are named by `warn`."""
+    """The latest good checkpoint with fewer than `before_cycle` cycles; `warn` is told of damaged ones after it."""
     for checkpoint in reversed(listed(folder)):
         if checkpoint.cycle >= before_cycle or not checkpoint.is_certified():
             continue

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-PATIENCE_S = 1.0        # `is_held` holds a lock for a moment: long enough not to be mistaken for a run
+PATIENCE_S = 1.0  # `is_held` holds a lock for a moment: long enough not to be mistaken for a run
 
 
 class Busy(RuntimeError):

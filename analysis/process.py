@@ -12,7 +12,7 @@ from pathlib import Path
 from .engines import ROOT, EngineError
 
 PR_SET_PDEATHSIG = 1
-STOPPED = 75                # exit code of an engine that stopped because it was asked to
+STOPPED = 75  # exit code of an engine that stopped because it was asked to
 LOG_TAIL_BYTES = 20_000
 _libc = ctypes.CDLL(None)
 
@@ -35,8 +35,16 @@ class Engine:
 
         with open(log, "ab") as output:
             self._log_start = output.tell()
-            self._process = subprocess.Popen(argv, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-                                             env=environment, process_group=0, preexec_fn=die_with_driver)
+            self._process = subprocess.Popen(
+                argv,
+                cwd=ROOT,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=environment,
+                process_group=0,
+                preexec_fn=die_with_driver,  # noqa: PLW1509 - the driver has one thread
+            )
         self._is_launcher = Path(argv[0]).name == "mpirun"
 
     def wait(self, seconds: float) -> int | None:
@@ -47,7 +55,7 @@ class Engine:
             return None
 
     def ask_to_stop(self) -> None:
-        """Ask for a checkpoint and an orderly end. mpirun would kill its ranks on a signal, so they are asked themselves."""
+        """Ask for a checkpoint and an orderly end: the ranks themselves, as mpirun would kill them on a signal."""
         targets = _descendants(self._process.pid) if self._is_launcher else [self._process.pid]
         _signal(targets, signal.SIGTERM)
 
@@ -69,7 +77,7 @@ def _descendants(pid: int) -> list[int]:
     for entry in Path(f"/proc/{pid}/task").glob("*/children"):
         try:
             children += map(int, entry.read_text().split())
-        except OSError:             # a thread or process that has just ended
+        except OSError:  # a thread or process that has just ended
             continue
     return [each for child in children for each in (child, *_descendants(child))]
 

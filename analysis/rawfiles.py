@@ -26,7 +26,7 @@ class Tail:
                 content = file.read()
         except FileNotFoundError:
             return []
-        content = content[:content.rfind(b"\n") + 1]
+        content = content[: content.rfind(b"\n") + 1]
         self._offset += len(content)
         lines = content.decode(errors="replace").splitlines()
         if not self.columns and lines:
@@ -54,7 +54,7 @@ def keep_rows(path: Path, wanted: Callable[[Row], bool]) -> None:
                 new.write(line)
     if header.endswith("\n"):
         partial.replace(path)
-    else:                           # killed before the header was out: there is no row to keep
+    else:  # killed before the header was out: there is no row to keep
         partial.unlink()
         path.unlink()
 
@@ -62,7 +62,7 @@ def keep_rows(path: Path, wanted: Callable[[Row], bool]) -> None:
 def _is(wanted: Callable[[Row], bool], row: Row) -> bool:
     try:
         return wanted(row)
-    except ValueError:              # a number that was torn
+    except ValueError:  # a number that was torn
         return False
 
 

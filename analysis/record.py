@@ -42,15 +42,20 @@ def host() -> str:
 def versions(engine: str) -> dict[str, str]:
     """Versions of engine, analysis, Python and system."""
     system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
-    return {"engine": engine, "analysis": metadata.version("ballast-analysis"),
-            "python": platform.python_version(), "os": f"{system}, {platform.machine()}"}
+    return {
+        "engine": engine,
+        "analysis": metadata.version("ballast-analysis"),
+        "python": platform.python_version(),
+        "os": f"{system}, {platform.machine()}",
+    }
 
 
 def git() -> dict:
     """Commit of the working tree and whether tracked files differ from it; None outside a repository."""
+
     def ask(*words: str) -> str | None:
         try:
-            done = subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True)
+            done = subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=False)
         except FileNotFoundError:
             return None
         return done.stdout.strip() if done.returncode == 0 else None

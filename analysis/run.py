@@ -26,8 +26,8 @@ from .scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 from .supervise import DISK_FULL, Interrupted, RunError, StopRequest, Supervisor, deviations
 from .watch import Diverged
 
-FREE_KEYS = ("loading.cycles", "limits.")       # may change while a run is under way
-BED_KEYS = ("geometry.", "clump.")              # a packed bed serves any scenario that has the same of these
+FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
+BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 NORMALISED = ("bed_before.csv", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 
 
@@ -46,7 +46,7 @@ def cycles_done(folder: Path) -> int:
 
 
 def _differences(old: Scenario, new: Scenario, counts: Callable[[str], bool]) -> list[str]:
-    """Lines `key: old -> new` for the keys that count; a key that only one of them has is shown as `none` in the other."""
+    """Lines `key: old -> new` for the keys that count; `none` stands for a key that one of them does not have."""
     keys = dict.fromkeys((*old.parameters, *new.parameters))
     values = {key: [s.parameters[key].value if key in s.parameters else "none" for s in (old, new)] for key in keys}
     return [f"{key}: {a} -> {b}" for key, (a, b) in values.items() if counts(key) and a != b]
@@ -61,7 +61,9 @@ class Run:
         self.folder = run_folder(options.results, scenario.profile, scenario.name, self.code, options.seed)
         self.raw, self.kept = self.folder / "raw", self.folder / "checkpoints"
         self.bed_file = self.raw / "bed_packed.csv"
-        self.title = f"{scenario.name} {self.code} {scenario.profile}" + (f" seed {options.seed}" if options.seed != 1 else "")
+        self.title = f"{scenario.name} {self.code} {scenario.profile}" + (
+            f" seed {options.seed}" if options.seed != 1 else ""
+        )
         self.progress = Progress(self.title, options.progress == "lines")
         self.record: dict = {}
 
@@ -69,6 +71,7 @@ class Run:
     def normaliser(self):
         """Imported only where it is needed: its libraries take a second to load."""
         from .normalise import Normaliser
+
         return Normaliser(self.folder, self.scenario)
 
     # ------------------------------------------------------------------ the whole run
@@ -76,7 +79,7 @@ class Run:
     def go(self) -> None:
         """Do all that is missing, up to options.until."""
         if not self.folder.exists():
-            versions(self.code)         # refuse before a folder is made
+            versions(self.code)  # refuse before a folder is made
         try:
             with hold(self.folder / "run.lock"):
                 self.pack()
@@ -84,18 +87,23 @@ class Run:
                     self.progress.say(f"packed, in {self.folder}")
                     return
                 self._refuse_changes()
-                if (record.read(self.folder) or {}).get("state") == "finished" and cycles_done(self.folder) >= self.cycles:
+                if (record.read(self.folder) or {}).get("state") == "finished" and cycles_done(
+                    self.folder
+                ) >= self.cycles:
                     self.progress.say(f"finished already: {cycles_done(self.folder)} cycles in {self.folder}")
                     return
                 self._prepare()
                 self._guard(self._load)
         except Busy:
             other = (record.read(self.folder) or {}).get("timing", {})
-            raise RunError(f"{self.title} | in progress already, process {other.get('pid')} on {other.get('host')}; "
-                           f"`make status` shows it") from None
+            raise RunError(
+                f"{self.title} | in progress already, process {other.get('pid')} on {other.get('host')}; "
+                f"`make status` shows it"
+            ) from None
 
     def pack(self) -> None:
         """Packing, unless it is done. Two runs may need the same bed: the second one waits for the first."""
+
         def waiting() -> bool:
             self.stop.check()
             self.progress.update("waiting for another process that packs this bed")
@@ -109,7 +117,7 @@ class Run:
                     self._prepare()
                     self._guard(self._make_bed)
         except Busy:
-            pass        # it has been packed meanwhile
+            pass  # it has been packed meanwhile
 
     def _load(self) -> None:
         """Preload, cyclic loading and the normalised files, whatever of it is missing."""
@@ -130,11 +138,13 @@ class Run:
         try:
             work()
         except Interrupted:
-            self._save(state="interrupted", reason=f"stopped by {signal.Signals(self.stop.signal).name}", end=record.now())
+            self._save(
+                state="interrupted", reason=f"stopped by {signal.Signals(self.stop.signal).name}", end=record.now()
+            )
             raise
         except Diverged as error:
             self._fail(f"diverged: {error}")
-        except (RunError, EngineError, ValueError) as error:        # bad scenarios and bad raw files are ValueErrors
+        except (RunError, EngineError, ValueError) as error:  # bad scenarios and bad raw files are ValueErrors
             self._fail(str(error))
         except OSError as error:
             self._fail(self.disk_full() if error.errno in DISK_FULL else f"{error.filename}: {error.strerror}")
@@ -151,11 +161,11 @@ class Run:
         try:
             self._save(state="failed", reason=reason, end=record.now())
         except OSError:
-            pass        # the disk is full: what is left says `running`, and status sees that nobody does
+            pass  # the disk is full: what is left says `running`, and status sees that nobody does
 
     def disk_full(self) -> str:
         """One line for a full disk."""
-        return f"no space left for {self.folder}; free some and give the same command again, it goes on from the last checkpoint"
+        return f"no space left for {self.folder}; free some and give the same command again to go on"
 
     # ------------------------------------------------------------------ the folder
 
@@ -164,8 +174,10 @@ class Run:
         self._refuse_changes()
         done = cycles_done(self.folder)
         if done > self.cycles:
-            raise RunError(f"{self.title} | {done} cycles are done already, more than the {self.cycles} asked for; "
-                           f"give CYCLES={done} or more")
+            raise RunError(
+                f"{self.title} | {done} cycles are done already, more than the {self.cycles} asked for; "
+                f"give CYCLES={done} or more"
+            )
         engine = versions(self.code)
         self._drop_partial_files()
         write_inputs(self.scenario, self.folder, self.options.seed)
@@ -173,15 +185,33 @@ class Run:
         timing, ranks = old.get("timing", {}), self.options.ranks
         states = last_rows(self.raw / "state.csv")
         self.record = {
-            "scenario": self.scenario.name, "profile": self.scenario.profile, "code": self.code,
-            "scenario_hash": self.scenario.hash, "title": self.scenario.title, "versions": record.versions(engine),
-            "command": self.command_line(), "seed": self.options.seed, "bed": self._bed_name(), **record.git(),
-            "ranks": ranks if self.code == "liggghts" else 1, "threads": ranks if self.code == "yade" else 1,
-            "state": "running", "reason": "", "stage": old.get("stage", "packing"), "steps": {stage: int(row["step"]) for stage, row in states.items()},
-            "clumps": old.get("clumps"), "deviations": [], "resumes": old.get("resumes", []),
-            "timing": {"start": timing.get("start", record.now()), "end": None,
-                       "steps_per_second": timing.get("steps_per_second", {}), "wall_s": timing.get("wall_s", {}),
-                       "pid": os.getpid(), "host": record.host()},
+            "scenario": self.scenario.name,
+            "profile": self.scenario.profile,
+            "code": self.code,
+            "scenario_hash": self.scenario.hash,
+            "title": self.scenario.title,
+            "versions": record.versions(engine),
+            "command": self.command_line(),
+            "seed": self.options.seed,
+            "bed": self._bed_name(),
+            **record.git(),
+            "ranks": ranks if self.code == "liggghts" else 1,
+            "threads": ranks if self.code == "yade" else 1,
+            "state": "running",
+            "reason": "",
+            "stage": old.get("stage", "packing"),
+            "steps": {stage: int(row["step"]) for stage, row in states.items()},
+            "clumps": old.get("clumps"),
+            "deviations": [],
+            "resumes": old.get("resumes", []),
+            "timing": {
+                "start": timing.get("start", record.now()),
+                "end": None,
+                "steps_per_second": timing.get("steps_per_second", {}),
+                "wall_s": timing.get("wall_s", {}),
+                "pid": os.getpid(),
+                "host": record.host(),
+            },
         }
         self._save()
 
@@ -189,8 +219,10 @@ class Run:
         """Write run.json with some entries changed; `end` belongs to its timing."""
         self.record["timing"] |= {"heartbeat": record.now()} | ({"end": changes.pop("end")} if "end" in changes else {})
         many = self.options.ranks > 1
-        self.record |= changes | {"deviations": deviations(self.raw) + many * [
-            f"{self.options.ranks} ranks or threads: repeated runs differ in their last digits."]}
+        self.record |= changes | {
+            "deviations": deviations(self.raw)
+            + many * [f"{self.options.ranks} ranks or threads: repeated runs differ in their last digits."]
+        }
         record.write(self.folder, self.record)
 
     def _drop_partial_files(self) -> None:
@@ -210,7 +242,9 @@ class Run:
         if bed != self._bed_name():
             changes.append(f"bed: {bed} -> {self._bed_name()}")
         if changes:
-            raise RunError(f"{self.title} | has results of other parameters: {'; '.join(changes)}; {self._start_over()}")
+            raise RunError(
+                f"{self.title} | has results of other parameters: {'; '.join(changes)}; {self._start_over()}"
+            )
 
     def _start_over(self) -> str:
         return "give another SEED or RESULTS, move the folder away, or delete it with `make distclean-run`"
@@ -218,11 +252,17 @@ class Run:
     def command_line(self, name: Callable[[Path], object] = record.relative) -> str:
         """The command that does this run again; `name` shortens paths, so that run.json holds no absolute one."""
         o = self.options
-        values = {"SCENARIO": self.scenario.name, "CODE": o.code, "PROFILE": o.profile, "CYCLES": o.cycles,
-                  "SEED": o.seed if o.seed != 1 else None, "NP": o.ranks if o.ranks != 1 else None,
-                  "BED": o.bed and name(o.bed),
-                  "RESULTS": name(o.results) if o.results != ROOT / "results" else None,
-                  "SCENARIOS": name(o.scenarios) if o.scenarios != SCENARIO_FILE else None}
+        values = {
+            "SCENARIO": self.scenario.name,
+            "CODE": o.code,
+            "PROFILE": o.profile,
+            "CYCLES": o.cycles,
+            "SEED": o.seed if o.seed != 1 else None,
+            "NP": o.ranks if o.ranks != 1 else None,
+            "BED": o.bed and name(o.bed),
+            "RESULTS": name(o.results) if o.results != ROOT / "results" else None,
+            "SCENARIOS": name(o.scenarios) if o.scenarios != SCENARIO_FILE else None,
+        }
         return "make run " + " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
 
     # ------------------------------------------------------------------ the bed
@@ -255,6 +295,7 @@ class Run:
 
     def _take_bed(self, path: Path) -> None:
         """Copy a packed bed after a look at it, and at the scenario of the run that it comes from."""
+
         def refuse(what: str) -> RunError:
             return RunError(f"{path}: {what}")
 
@@ -274,11 +315,15 @@ class Run:
             if len(pose) != len(BED_HEADER) or not math.isclose(math.hypot(*pose[4:]), 1, abs_tol=1e-6):
                 raise refuse(f"line {line} is not a pose; it needs {columns} with a unit quaternion")
             if not all(0 <= value <= top for value, top in zip(pose[1:4], (box.length_m, box.width_m, box.height_m))):
-                raise refuse(f"line {line} lies outside the box of {box.length_m:g} x {box.width_m:g} x {box.height_m:g} m; "
-                             "take a bed of the same profile and geometry")
+                raise refuse(
+                    f"line {line} lies outside the box of {box.length_m:g} x {box.width_m:g} x {box.height_m:g} m; "
+                    "take a bed of the same profile and geometry"
+                )
         made_with = path.parent.parent / "scenario.json"
         if made_with.exists():
-            changes = _differences(Scenario.from_json(made_with.read_text()), self.scenario, lambda key: key.startswith(BED_KEYS))
+            changes = _differences(
+                Scenario.from_json(made_with.read_text()), self.scenario, lambda key: key.startswith(BED_KEYS)
+            )
             if changes:
                 raise refuse(f"does not fit: {'; '.join(changes)}; take a bed with the same geometry and clump")
         partial = self.bed_file.with_name(self.bed_file.name + ".partial")
@@ -300,8 +345,10 @@ class Run:
             (self.folder / name).unlink(missing_ok=True)
         self._stage("preload")
         if not self._resume_point():
-            raise RunError(f"{self.code} ended without checkpoints/cyclic_000000 and raw/bed_preloaded.csv; "
-                           f"read {self.folder}/log/preload.log")
+            raise RunError(
+                f"{self.code} ended without checkpoints/cyclic_000000 and raw/bed_preloaded.csv; "
+                f"read {self.folder}/log/preload.log"
+            )
         self.normaliser.before()
 
     def _cyclic(self) -> None:
@@ -317,8 +364,10 @@ class Run:
             self.progress.say(f"goes on from {start} of {self.cycles}")
         self._stage("cyclic", start)
         if cycles_done(self.folder) != self.cycles:
-            raise RunError(f"{self.code} ended after {cycles_done(self.folder)} of {self.cycles} cycles; "
-                           f"read {self.folder}/log/cyclic.log")
+            raise RunError(
+                f"{self.code} ended after {cycles_done(self.folder)} of {self.cycles} cycles; "
+                f"read {self.folder}/log/cyclic.log"
+            )
 
     def _stage(self, stage: str, start: checkpoints.Checkpoint | None = None) -> None:
         """Run one stage in the engine."""
@@ -339,10 +388,20 @@ class Run:
         def short(path: Path) -> Path:
             return path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
 
-        supervisor = Supervisor(self.folder, self.scenario, stage, self.stop, self.progress, heartbeat,
-                                self.normaliser if stage == "cyclic" else None, start)
-        supervisor.supervise(command(self.code, stage, short(self.folder), short(start.path) if start else None,
-                                     self.options.ranks), threads=self.options.ranks if self.code == "yade" else 1)
+        supervisor = Supervisor(
+            self.folder,
+            self.scenario,
+            stage,
+            self.stop,
+            self.progress,
+            heartbeat,
+            self.normaliser if stage == "cyclic" else None,
+            start,
+        )
+        supervisor.supervise(
+            command(self.code, stage, short(self.folder), short(start.path) if start else None, self.options.ranks),
+            threads=self.options.ranks if self.code == "yade" else 1,
+        )
         if stage != "cyclic":
             self.progress.say(f"{stage} done in {duration(time.monotonic() - began)}, {supervisor.clumps()} clumps")
 
@@ -356,7 +415,9 @@ def _arguments(argv: list[str]) -> argparse.Namespace:
     def path(text: str) -> Path:
         return Path(text).resolve()
 
-    parser = argparse.ArgumentParser(prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it.")
+    parser = argparse.ArgumentParser(
+        prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it."
+    )
     parser.add_argument("scenario", help="a scenario of the scenario file")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo", help="demo (default) or full")

@@ -14,9 +14,22 @@ from .progress import duration
 from .run import cycles_done
 from .scenario import Scenario
 
-COLUMNS = ("profile", "scenario", "code", "seed", "stage", "cycle", "steps/s", "time left", "tracking %", "clumps", "state", "reason")
+COLUMNS = (
+    "profile",
+    "scenario",
+    "code",
+    "seed",
+    "stage",
+    "cycle",
+    "steps/s",
+    "time left",
+    "tracking %",
+    "clumps",
+    "state",
+    "reason",
+)
 RIGHT = {"seed", "cycle", "steps/s", "time left", "tracking %", "clumps"}
-STALE_S = 60.0      # without a lock to ask (some network file systems), a heartbeat older than this means nobody runs it
+STALE_S = 60.0  # without a lock to ask (some network file systems), a heartbeat older than this means nobody runs it
 
 
 def runs(results: Path) -> list[Path]:
@@ -36,11 +49,16 @@ def state_of(folder: Path, body: dict) -> tuple[str, str]:
     return ("running", "") if alive else ("interrupted", "killed; the same command goes on")
 
 
-def row(folder: Path) -> dict[str, str] | None:
-    """One line of the table, by column; None where run.json cannot be read."""
+def row(folder: Path) -> dict[str, str]:
+    """One line of the table, by column."""
     body = record.read(folder)
     if body is None:
-        return None
+        return dict.fromkeys(COLUMNS, "") | {
+            "profile": folder.parts[-3],
+            "scenario": folder.parts[-2],
+            "code": folder.name,
+            "reason": "run.json cannot be read",
+        }
     state, reason = state_of(folder, body)
     scenario = Scenario.from_json((folder / "scenario.json").read_text())
     total, done, stage = scenario["loading.cycles"], cycles_done(folder), body["stage"]
@@ -48,9 +66,25 @@ def row(folder: Path) -> dict[str, str] | None:
     left = ""
     if state == "running" and stage == "cyclic" and speed:
         left = duration((total * derived.time_grid(scenario).steps_per_cycle - body["steps"].get(stage, 0)) / speed)
-    return dict(zip(COLUMNS, (
-        body["profile"], body["scenario"], body["code"], str(body["seed"]), stage, f"{done}/{total}",
-        f"{speed:.0f}" if speed else "", left, _tracking(folder, scenario), str(body["clumps"] or ""), state, reason)))
+    return dict(
+        zip(
+            COLUMNS,
+            (
+                body["profile"],
+                body["scenario"],
+                body["code"],
+                str(body["seed"]),
+                stage,
+                f"{done}/{total}",
+                f"{speed:.0f}" if speed else "",
+                left,
+                _tracking(folder, scenario),
+                str(body["clumps"] or ""),
+                state,
+                reason,
+            ),
+        )
+    )
 
 
 def _tracking(folder: Path, scenario: Scenario) -> str:
@@ -80,6 +114,6 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m analysis status", description="List all runs.")
     parser.add_argument("--results", type=Path, default=ROOT / "results", help="folder of all results")
     results = parser.parse_args(argv).results
-    rows = [line for folder in runs(results) if (line := row(folder))]
+    rows = [row(folder) for folder in runs(results)]
     print(table(rows) if rows else f"no runs in {results} yet; `make demo` makes the first ones")
     return 0

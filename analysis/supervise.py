@@ -30,8 +30,10 @@ class Interrupted(Exception):
 
 
 class StopRequest:
-    """Notes SIGINT and SIGTERM. The first asks the engine to stop; only a further Ctrl-C kills it, because a batch system
-    may well deliver SIGTERM twice, to the driver and through its parent."""
+    """Notes SIGINT and SIGTERM. The first asks the engine to stop; only a further Ctrl-C kills it.
+
+    A batch system may well deliver SIGTERM twice, to the driver and through its parent.
+    """
 
     def __init__(self):
         self.signal, self.kill = 0, False
@@ -51,8 +53,17 @@ class StopRequest:
 class Supervisor:
     """Supervises `stage` in the folder of a run; `start` is the checkpoint that the cyclic stage starts from."""
 
-    def __init__(self, folder: Path, scenario, stage: str, stop: StopRequest, progress: Progress, heartbeat,
-                 normaliser=None, start: checkpoints.Checkpoint | None = None):
+    def __init__(
+        self,
+        folder: Path,
+        scenario,
+        stage: str,
+        stop: StopRequest,
+        progress: Progress,
+        heartbeat,
+        normaliser=None,
+        start: checkpoints.Checkpoint | None = None,
+    ):
         """`heartbeat(stage, steps, clumps, steps_per_second)` is called every few seconds and at the end."""
         self.folder, self.scenario, self.stage, self.stop = folder, scenario, stage, stop
         self.progress, self.heartbeat, self.normaliser = progress, heartbeat, normaliser
@@ -117,21 +128,31 @@ class Supervisor:
 
     def _finish_cycles(self) -> None:
         """Add each cycle that is complete on the disk, and has passed the watch, to the normalised files."""
-        while self._has_output_to((self.cycles + 1) * self.grid.steps_per_cycle) and self.normaliser.ready(self.cycles + 1):
+        while self._has_output_to((self.cycles + 1) * self.grid.steps_per_cycle) and self.normaliser.ready(
+            self.cycles + 1
+        ):
             self.normaliser.cycle(self.cycles + 1)
             self.cycles += 1
 
     def _certify(self) -> None:
         """Checksums for checkpoints whose output up to that moment has arrived and passed the watch."""
         for checkpoint in checkpoints.listed(self.kept):
-            if not checkpoint.is_certified() and checkpoint.cycle <= self.cycles \
-                    and self._has_output_to(checkpoint.step(self.grid)):
+            if (
+                not checkpoint.is_certified()
+                and checkpoint.cycle <= self.cycles
+                and self._has_output_to(checkpoint.step(self.grid))
+            ):
                 self._certify_one(checkpoint)
                 checkpoints.prune(self.kept)
 
     def _certify_one(self, checkpoint: checkpoints.Checkpoint) -> None:
-        checkpoint.certify(self.grid, self.raw / "state.csv", self.raw / f"{self.stage}.csv",
-                           self.folder / "cycles.csv", self.folder / "microstructure.csv")
+        checkpoint.certify(
+            self.grid,
+            self.raw / "state.csv",
+            self.raw / f"{self.stage}.csv",
+            self.folder / "cycles.csv",
+            self.folder / "microstructure.csv",
+        )
 
     # ------------------------------------------------------------------ progress
 
@@ -143,8 +164,10 @@ class Supervisor:
             parts = [f"cyclic, cycle {self.cycles} of {self.scenario['loading.cycles']}"]
             parts += [f"{duration((total - self.state_step) / rate)} left"] if rate and self.state_step else []
         elif self._last:
-            parts.append(f"unbalanced ratio {float(self._last['unbalanced_ratio']):.1e}, "
-                         f"kinetic energy {float(self._last['kinetic_energy_J']):.1e} J")
+            parts.append(
+                f"unbalanced ratio {float(self._last['unbalanced_ratio']):.1e}, "
+                f"kinetic energy {float(self._last['kinetic_energy_J']):.1e} J"
+            )
         self.progress.update(" | ".join(parts + ([f"{rate:.0f} steps/s"] if rate else [])))
         if time.monotonic() - self._beat > HEARTBEAT_S:
             self._report()
@@ -169,11 +192,15 @@ class Supervisor:
             self.stop.signal = self.stop.signal or signal.SIGTERM
             raise Interrupted
         output = engine.last_output()
-        errors = re.findall(r"ERROR.*", output)         # not always at the start of a line: LIGGGHTS' table may stand before it
+        errors = re.findall(
+            r"ERROR.*", output
+        )  # not always at the start of a line: LIGGGHTS' table may stand before it
         if os.statvfs(self.folder).f_bavail == 0 or any(os.strerror(number) in output for number in DISK_FULL):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        raise RunError(errors[-1] if errors else f"the engine {how}; read {self.stage}.log in the folder log of the run")
+        raise RunError(
+            errors[-1] if errors else f"the engine {how}; read {self.stage}.log in the folder log of the run"
+        )
 
 
 def deviations(raw: Path) -> list[str]:

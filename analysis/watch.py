@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from . import derived
 from .rawfiles import Row
 
-LOAD_REACHED = 0.5      # least peak of a cycle's sleeper stress over its target: below it the cycle did not load the bed
+LOAD_REACHED = 0.5  # least peak of a cycle's sleeper stress over its target: below it the cycle did not load the bed
 
 
 class Diverged(RuntimeError):
@@ -26,15 +26,19 @@ class Watch:
 
     def state(self, row: Row) -> None:
         """Check one row of raw/state.csv."""
-        values = self._numbers(row, "state", ("step", "kinetic_energy_J", "overlap_max_ratio"))   # shares may be unknown
+        values = self._numbers(row, "state", ("step", "kinetic_energy_J", "overlap_max_ratio"))  # shares may be unknown
         energy, limit = values["kinetic_energy_J"], self.scenario["limits.kinetic_energy"]
         if energy > limit:
-            raise Diverged(f"kinetic energy {energy:.3g} J per clump at step {row['step']} of {row['stage']}, "
-                           f"limit {limit:g} J (limits.kinetic_energy)")
+            raise Diverged(
+                f"kinetic energy {energy:.3g} J per clump at step {row['step']} of {row['stage']}, "
+                f"limit {limit:g} J (limits.kinetic_energy)"
+            )
         overlap, limit = values["overlap_max_ratio"], self.scenario["limits.overlap_ratio"]
-        if overlap > limit and row["stage"] != "packing":       # packing starts with clumps that were grown into each other
-            raise Diverged(f"overlap of {overlap:.3g} sphere radii at step {row['step']} of {row['stage']}, "
-                           f"limit {limit:g} (limits.overlap_ratio)")
+        if overlap > limit and row["stage"] != "packing":  # packing starts with clumps that were grown into each other
+            raise Diverged(
+                f"overlap of {overlap:.3g} sphere radii at step {row['step']} of {row['stage']}, "
+                f"limit {limit:g} (limits.overlap_ratio)"
+            )
 
     def load(self, row: Row) -> None:
         """Check one row of raw/preload.csv or raw/cyclic.csv."""
@@ -76,5 +80,7 @@ class Watch:
         peaks, self._peaks = self._peaks, []
         target = self.scenario["loading.stress_max"]
         if len(peaks) >= self.scenario["output.rows_per_cycle"] and max(peaks) < LOAD_REACHED * target:
-            raise Diverged(f"load not reached: at most {max(peaks) / 1e3:.0f} kPa on the sleeper in cycle "
-                           f"{step // self._grid.steps_per_cycle}, target {target / 1e3:.0f} kPa")
+            raise Diverged(
+                f"load not reached: at most {max(peaks) / 1e3:.0f} kPa on the sleeper in cycle "
+                f"{step // self._grid.steps_per_cycle}, target {target / 1e3:.0f} kPa"
+            )

@@ -1,4 +1,4 @@
-"""Runs that several tests share: a small bed in both codes and both scenarios of the demo, packed and preloaded once."""
+"""Runs that several tests share: a small bed in both codes and both scenarios of the demo, packed and preloaded."""
 
 from __future__ import annotations
 
@@ -25,8 +25,23 @@ def preloaded(small_scenarios, tmp_path_factory):
     """Results with all runs packed and preloaded, not loaded yet; both codes side by side."""
     results = tmp_path_factory.mktemp("preloaded")
     for scenario in SCENARIOS:
-        lanes = [start(REAL, scenario, "--code", code, "--cycles", CYCLES, "--results", results, "--scenarios", small_scenarios,
-                       "--until", "preload") for code in CODES]
+        lanes = [
+            start(
+                REAL,
+                scenario,
+                "--code",
+                code,
+                "--cycles",
+                CYCLES,
+                "--results",
+                results,
+                "--scenarios",
+                small_scenarios,
+                "--until",
+                "preload",
+            )
+            for code in CODES
+        ]
         for process in lanes:
             out, err = process.communicate(timeout=500)
             assert process.returncode == 0, out + err
@@ -48,9 +63,20 @@ def scenario(request):
 @pytest.fixture(scope="session")
 def begin(preloaded, small_scenarios):
     """Function that copies a preloaded run to other results; returns its folder and the driver's arguments."""
+
     def copy(results, scenario: str, code: str, cycles: int = CYCLES):
         folder = copy_run(run_folder(preloaded, scenario, code), run_folder(results, scenario, code))
-        return folder, [scenario, "--code", code, "--cycles", cycles, "--results", results, "--scenarios", small_scenarios]
+        return folder, [
+            scenario,
+            "--code",
+            code,
+            "--cycles",
+            cycles,
+            "--results",
+            results,
+            "--scenarios",
+            small_scenarios,
+        ]
 
     return copy
 
@@ -58,6 +84,7 @@ def begin(preloaded, small_scenarios):
 @pytest.fixture(scope="session")
 def undisturbed(begin, tmp_path_factory):
     """Function that gives the folder of a run of a scenario in a code that nobody disturbed; each is made once."""
+
     @functools.cache
     def run(scenario: str, code: str):
         folder, arguments = begin(tmp_path_factory.mktemp("undisturbed"), scenario, code)

@@ -21,8 +21,9 @@ NORMALISED = ("cycles.csv", "history.csv", "microstructure.csv", "bed_before.csv
 
 def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:
     """Start the driver; its output is kept in pipes as text."""
-    return subprocess.Popen([*driver, *map(str, arguments)], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            **options)
+    return subprocess.Popen(
+        [*driver, *map(str, arguments)], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
+    )
 
 
 def drive(driver: tuple[str, ...], *arguments, **options) -> subprocess.CompletedProcess:
@@ -47,7 +48,7 @@ def wait_for(path: Path, process: subprocess.Popen, seconds: float = 60) -> None
 
 
 def kill_until_done(driver: tuple[str, ...], arguments: list, folder: Path, moments: random.Random) -> int:
-    """Start a run again and again and kill the driver (SIGKILL) some time after the first new output; return the number of kills.
+    """Start a run again and again, kill the driver (SIGKILL) some time after new output; return the number of kills.
 
     The first kill comes at once, the others at random, later and later, so that a run on any machine gets to its end.
     """
@@ -59,7 +60,10 @@ def kill_until_done(driver: tuple[str, ...], arguments: list, folder: Path, mome
     for kills in range(30):
         before = size()
         process = start(driver, *arguments)
-        wait_until(lambda: process.poll() is not None or size() > before, "the engine writes nothing", seconds=120)
+        end = time.monotonic() + 120
+        while process.poll() is None and size() <= before:
+            assert time.monotonic() < end, "the engine writes nothing"
+            time.sleep(0.01)
         try:
             _, err = process.communicate(timeout=moments.uniform(0.0, longest_s) if kills else 0.0)
         except subprocess.TimeoutExpired:
@@ -82,7 +86,8 @@ def results_of(folder: Path) -> dict[str, bytes]:
     """The normalised files, and run.json without what may differ between equal runs of the same code."""
     free = ("timing", "resumes", "command", "git_commit", "git_dirty")
     return {name: (folder / name).read_bytes() for name in NORMALISED} | {
-        key: value for key, value in record.read(folder).items() if key not in free}
+        key: value for key, value in record.read(folder).items() if key not in free
+    }
 
 
 def steps(path: Path, stage: str = "cyclic") -> list[int]:

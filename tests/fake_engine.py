@@ -1,4 +1,4 @@
-"""Stands in for an engine where the driver alone is tested: obeys the same rules, computes a chaotic map instead of a bed.
+"""Stands in for an engine where the driver alone is tested: the same rules, a chaotic map instead of a bed.
 
 usage: fake_engine.py STAGE RUN_FOLDER [CHECKPOINT]
 A file `behave` in the run's folder makes it misbehave; it holds one of the words that are looked for below.
@@ -14,8 +14,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from analysis import derived, tables  # noqa: E402
-from analysis.scenario import Scenario  # noqa: E402
+from analysis import derived, tables
+from analysis.scenario import Scenario
 
 stage, run = sys.argv[1], Path(sys.argv[2])
 checkpoint = Path(sys.argv[3]) if len(sys.argv) > 3 else None
@@ -66,9 +66,11 @@ def bed(label: str, x: float) -> None:
 
 
 def contacts(label: str) -> None:
-    write_aside(raw / f"contacts_{label}.csv",
-                "clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding\n"
-                "1,2,0.1,0.02,0.1,1,0,0,1e-6,10,1,0\n")
+    write_aside(
+        raw / f"contacts_{label}.csv",
+        "clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding\n"
+        "1,2,0.1,0.02,0.1,1,0,0,1e-6,10,1,0\n",
+    )
 
 
 def save(name: str, cycle: int, block: int, x: float) -> None:

@@ -4,7 +4,6 @@ Each test starts from the same preloaded small bed; the first makes one anew, fr
 """
 
 import contextlib
-import os
 import random
 import re
 import resource
@@ -13,7 +12,20 @@ import signal
 import subprocess
 
 import pytest
-from driver import REAL, damage, drive, engines_of, kill_until_done, latest, results_of, run_folder, start, steps, wait_for, wait_until
+from driver import (
+    REAL,
+    damage,
+    drive,
+    engines_of,
+    kill_until_done,
+    latest,
+    results_of,
+    run_folder,
+    start,
+    steps,
+    wait_for,
+    wait_until,
+)
 from small_bed import write_scenarios
 
 from analysis import derived, record
@@ -33,7 +45,9 @@ def assert_no_gap(folder, cycles):
 
 def test_a_repeated_run_gives_the_same_files(code, undisturbed, small_scenarios, tmp_path):
     first = undisturbed("linear-mu0.8", code)
-    done = drive(REAL, "linear-mu0.8", "--code", code, "--cycles", 3, "--results", tmp_path, "--scenarios", small_scenarios)
+    done = drive(
+        REAL, "linear-mu0.8", "--code", code, "--cycles", 3, "--results", tmp_path, "--scenarios", small_scenarios
+    )
     assert done.returncode == 0, done.stderr
     again = run_folder(tmp_path, "linear-mu0.8", code)
     assert results_of(again) == results_of(first)
@@ -55,7 +69,9 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(code, undistur
     expected = undisturbed("linear-mu0.8", code)
     folder, arguments = begin(tmp_path, "linear-mu0.8", code)
     process = start(REAL, *arguments)
-    wait_until(lambda: process.poll() is not None or latest(folder).cycle == 2, "no checkpoint after cycle 2", seconds=300)
+    wait_until(
+        lambda: process.poll() is not None or latest(folder).cycle == 2, "no checkpoint after cycle 2", seconds=300
+    )
     process.kill()
     process.communicate()
     bad = latest(folder)
@@ -117,11 +133,15 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     body = record.read(folder)
     assert body["ranks"] == 2 and any("differ in their last digits" in sentence for sentence in body["deviations"])
     assert_no_gap(folder, 3)
-    one, two = (float((f / "cycles.csv").read_text().splitlines()[1].split(",")[2]) for f in
-                (undisturbed("linear-mu0.8", "liggghts"), folder))
+    one, two = (
+        float((f / "cycles.csv").read_text().splitlines()[1].split(",")[2])
+        for f in (undisturbed("linear-mu0.8", "liggghts"), folder)
+    )
     assert two == pytest.approx(one, rel=1e-2)
 
-    process = start(REAL, *arguments[:3], "--cycles", 9, *arguments[5:], "--ranks", 2)      # and killed, its ranks die as well
+    process = start(
+        REAL, *arguments[:3], "--cycles", 9, *arguments[5:], "--ranks", 2
+    )  # and killed, its ranks die as well
     wait_until(lambda: len(engines_of(folder)) >= 2 or process.poll() is not None, "no ranks", seconds=60)
     process.kill()
     process.communicate()
@@ -136,16 +156,24 @@ def small_disk(path, free_bytes):
     """
     path.mkdir()
     size = 64 * 2**20
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path], capture_output=True).returncode == 0
+    mount = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path], capture_output=True, check=False
+    )
+    mounted = mount.returncode == 0
     filler = path / "filler"
     try:
         if mounted:
+
             def fill():
                 filler.write_bytes(bytes(shutil.disk_usage(path).free - free_bytes))
                 return {}
+
             yield fill, filler.unlink
         else:
-            yield lambda: {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (free_bytes, free_bytes))}, lambda: None
+            yield (
+                lambda: {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (free_bytes, free_bytes))},
+                lambda: None,
+            )
     finally:
         if mounted:
             subprocess.run(["umount", "--lazy", path], check=True)
@@ -157,9 +185,16 @@ def test_a_full_disk_is_one_line_and_the_run_goes_on_once_there_is_room(code, un
         folder, arguments = begin(tmp_path / "disk" / "results", "linear-mu0.8", code)
         done = drive(REAL, *arguments, **fill())
         assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr
-        assert "no space left for" in done.stderr and str(folder) in done.stderr and "give the same command again" in done.stderr
+        assert (
+            "no space left for" in done.stderr
+            and str(folder) in done.stderr
+            and "give the same command again" in done.stderr
+        )
         assert not engines_of(folder) and latest(folder).is_good()
-        assert "finished" not in drive((REAL[0], "-m", "analysis"), "status", "--results", tmp_path / "disk" / "results").stdout
+        assert (
+            "finished"
+            not in drive((REAL[0], "-m", "analysis"), "status", "--results", tmp_path / "disk" / "results").stdout
+        )
         make_room()
         done = drive(REAL, *arguments)
         assert done.returncode == 0, done.stderr

@@ -6,8 +6,22 @@ import signal
 import subprocess
 
 import pytest
-from driver import (FAKE, ROOT, copy_run, damage, drive, engines_of, kill_until_done, latest, results_of, run_folder, start,
-                    steps, wait_for, wait_until)
+from driver import (
+    FAKE,
+    ROOT,
+    copy_run,
+    damage,
+    drive,
+    engines_of,
+    kill_until_done,
+    latest,
+    results_of,
+    run_folder,
+    start,
+    steps,
+    wait_for,
+    wait_until,
+)
 
 from analysis import derived, record
 from analysis.engines import BED_HEADER
@@ -88,7 +102,9 @@ def test_a_stop_waits_for_the_checkpoint_and_goes_on_from_it(tmp_path, number, c
     process.send_signal(number)
     _, err = process.communicate(timeout=20)
     assert process.returncode == code and "to go on: make run SCENARIO=linear-mu0.8 CODE=yade" in err
-    assert record.read(folder)["state"] == "interrupted" and record.read(folder)["reason"] == f"stopped by {number.name}"
+    assert (
+        record.read(folder)["state"] == "interrupted" and record.read(folder)["reason"] == f"stopped by {number.name}"
+    )
     stopped_at = latest(folder)
     assert stopped_at.step(GRID) == steps(folder / "raw" / "cyclic.csv")[-1]
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
@@ -114,7 +130,7 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(undisturbed, f
     results, folder = finished
     bad = latest(folder)
     damage(bad.path)
-    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()       # not finished after all
+    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()  # not finished after all
     (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
     damage(latest(folder).path)
     bad.delete()
@@ -155,7 +171,7 @@ def test_more_cycles_extend_a_finished_run(finished, tmp_path):
     at_once = run_folder(other, "linear-mu0.8", "yade")
     assert (folder / "cycles.csv").read_bytes() == (at_once / "cycles.csv").read_bytes()
     assert_no_gap(folder, CYCLES + 2)
-    assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout      # fewer are there as well
+    assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout  # fewer are there as well
 
 
 def variant(tmp_path, old, new):
@@ -192,17 +208,20 @@ def test_another_bed_is_refused(finished, undisturbed):
 HEADER = ",".join(BED_HEADER)
 
 
-@pytest.mark.parametrize("text, said", [
-    (None, "No such file"),
-    ("", "is not a bed file"),
-    (HEADER + "\n", "a row per clump"),
-    ("x,y,z\n1,2,3\n", "is not a bed file"),
-    (HEADER + "\n1,0.1,0.05,0.1,1,0,0,soft\n", "all numbers"),
-    (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is not a pose"),
-    (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "unit quaternion"),
-    (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n2,0.1,0.59,0.1,1,0,0,0\n", "line 3 lies outside the box"),
-    (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2 lies outside the box"),
-])
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        (None, "No such file"),
+        ("", "is not a bed file"),
+        (HEADER + "\n", "a row per clump"),
+        ("x,y,z\n1,2,3\n", "is not a bed file"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,soft\n", "all numbers"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is not a pose"),
+        (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "unit quaternion"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n2,0.1,0.59,0.1,1,0,0,0\n", "line 3 lies outside the box"),
+        (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2 lies outside the box"),
+    ],
+)
 def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
     path = tmp_path / "bed.csv"
     if text is not None:
@@ -213,18 +232,24 @@ def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
 
 def test_a_bed_of_other_clumps_is_refused(undisturbed, tmp_path):
     path = variant(tmp_path, "aspect      = { value = 1.875", "aspect      = { value = 1.5")
-    done = drive(FAKE, *LINEAR, "--results", tmp_path, "--scenarios", path, "--bed", undisturbed / "raw" / "bed_packed.csv")
+    done = drive(
+        FAKE, *LINEAR, "--results", tmp_path, "--scenarios", path, "--bed", undisturbed / "raw" / "bed_packed.csv"
+    )
     assert done.returncode == 1 and "clump.aspect: 1.875 -> 1.5" in done.stderr
 
 
 def test_two_runs_that_need_one_bed_pack_it_once(tmp_path):
-    both = [start(FAKE, name, "--code", "yade", "--cycles", 1, "--results", tmp_path)
-            for name in ("nonlinear-en1.0", "nonlinear-md1-en0.6", "linear-mu0.8")]
+    both = [
+        start(FAKE, name, "--code", "yade", "--cycles", 1, "--results", tmp_path)
+        for name in ("nonlinear-en1.0", "nonlinear-md1-en0.6", "linear-mu0.8")
+    ]
     said = [process.communicate(timeout=60) for process in both]
     assert [process.returncode for process in both] == [0, 0, 0], said
     assert "".join(out for out, _ in said).count("packing done") == 1
-    beds = {(run_folder(tmp_path, name, "yade") / "raw" / "bed_packed.csv").read_bytes()
-            for name in ("linear-mu0.8", "nonlinear-en1.0", "nonlinear-md1-en0.6")}
+    beds = {
+        (run_folder(tmp_path, name, "yade") / "raw" / "bed_packed.csv").read_bytes()
+        for name in ("linear-mu0.8", "nonlinear-en1.0", "nonlinear-md1-en0.6")
+    }
     assert len(beds) == 1
     body = record.read(run_folder(tmp_path, "nonlinear-en1.0", "yade"))
     assert body["bed"] == "../../linear-mu0.8/yade/raw/bed_packed.csv"
@@ -239,14 +264,17 @@ def test_a_run_in_progress_is_refused_to_others(tmp_path):
     assert first.returncode == 0
 
 
-@pytest.mark.parametrize("behaviour, reason", [
-    ("error", "ERROR: packing: not at rest after 1 s"),
-    ("crash", "the engine was killed by SIGSEGV; read packing.log"),
-    ("nothing", "yade ended without raw/bed_packed.csv"),
-    ("overlap", "diverged: overlap of 0.3 sphere radii"),
-    ("gap", "diverged: raw/cyclic.csv: row of step"),
-    ("nan", "diverged: kinetic_energy_J is nan at step"),
-])
+@pytest.mark.parametrize(
+    "behaviour, reason",
+    [
+        ("error", "ERROR: packing: not at rest after 1 s"),
+        ("crash", "the engine was killed by SIGSEGV; read packing.log"),
+        ("nothing", "yade ended without raw/bed_packed.csv"),
+        ("overlap", "diverged: overlap of 0.3 sphere radii"),
+        ("gap", "diverged: raw/cyclic.csv: row of step"),
+        ("nan", "diverged: kinetic_energy_J is nan at step"),
+    ],
+)
 def test_a_failure_has_a_reason_an_exit_code_and_keeps_what_is_good(tmp_path, behaviour, reason):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     folder.mkdir(parents=True)
@@ -258,7 +286,7 @@ def test_a_failure_has_a_reason_an_exit_code_and_keeps_what_is_good(tmp_path, be
     if behaviour in ("overlap", "nan"):
         assert latest(folder).cycle == 2 and latest(folder).is_good()
     (folder / "behave").write_text("well")
-    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0       # mended, it goes on
+    assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0  # mended, it goes on
     assert_no_gap(folder)
 
 

@@ -1,0 +1,71 @@
+"""The table of all runs."""
+
+import json
+
+from driver import run_folder
+
+from analysis import derived, record, status
+from analysis.locks import hold
+from analysis.scenario import load_scenario
+
+SCENARIO = load_scenario("nonlinear-en1.0", "demo")
+
+
+def make(results, code, state, seed=1, cycles=2, **more):
+    """A run's folder, as far as the status needs it."""
+    folder = run_folder(results, SCENARIO.name, code)
+    folder.mkdir(parents=True)
+    steps = derived.time_grid(SCENARIO).steps_per_cycle
+    body = {
+        "profile": "demo",
+        "scenario": SCENARIO.name,
+        "code": code,
+        "seed": seed,
+        "state": state,
+        "reason": "",
+        "stage": "cyclic",
+        "steps": {"cyclic": cycles * steps},
+        "clumps": 380,
+        "timing": {"steps_per_second": {"cyclic": steps / 10}, "heartbeat": record.now()},
+    } | more
+    (folder / "run.json").write_text(json.dumps(body))
+    (folder / "scenario.json").write_text(SCENARIO.to_json())
+    (folder / "cycles.csv").write_text(
+        "cycle,tracking_rms_Pa\n" + "".join(f"{n},{1000 * n}\n" for n in range(1, cycles + 1))
+    )
+    return folder
+
+
+def test_a_running_run_shows_how_far_it_is(tmp_path):
+    with hold(make(tmp_path, "yade", "running") / "run.lock"):
+        row = status.row(run_folder(tmp_path, SCENARIO.name, "yade"))
+    assert row["state"] == "running" and row["cycle"] == "2/5" and row["time left"] == "0:30"  # 3 cycles of 10 s
+    assert row["tracking %"] == f"{100 * 2000 / 460e3:.2f}"
+
+
+def test_a_run_that_nobody_runs_was_interrupted(tmp_path):
+    folder = make(tmp_path, "yade", "running")
+    assert status.row(folder)["state"] == "interrupted" and status.row(folder)["time left"] == ""
+
+
+def test_a_failure_shows_why(tmp_path, capsys):
+    make(tmp_path, "liggghts", "failed", reason="diverged: overlap of 0.3 sphere radii")
+    make(tmp_path, "yade", "finished", cycles=5)
+    assert status.main(["--results", str(tmp_path)]) == 0
+    head, first, second = capsys.readouterr().out.splitlines()
+    assert head.split()[:4] == ["profile", "scenario", "code", "seed"]
+    assert "liggghts" in first and first.endswith("failed    diverged: overlap of 0.3 sphere radii")
+    assert "5/5" in second and second.endswith("finished")
+
+
+def test_a_run_json_that_cannot_be_read_does_not_hide_the_others(tmp_path, capsys):
+    make(tmp_path, "yade", "finished")
+    (make(tmp_path, "liggghts", "finished") / "run.json").write_text("{")
+    assert status.main(["--results", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "yade" in out and "run.json cannot be read" in out
+
+
+def test_without_runs_it_says_how_to_make_some(tmp_path, capsys):
+    assert status.main(["--results", str(tmp_path)]) == 0
+    assert "make demo" in capsys.readouterr().out
