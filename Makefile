@@ -9,7 +9,7 @@ RESULTS   ?= results
 CYCLES    ?=
 BED       ?=
 SCENARIOS ?=
-CASE      ?= examples/impact.toml
+CASE      ?= tests/impact.toml
 
 PYTHON   ?= python3
 ANALYSIS := .venv/bin/python -m analysis
@@ -64,7 +64,7 @@ test: setup ## all tests, with both codes
 	@.venv/bin/python -m pytest
 verify: setup ## contact laws and clumps of both codes against closed forms
 	@$(ANALYSIS) verify
-impact: setup ## any impact of two bodies in both codes: make impact CASE=examples/impact.toml, or CASE=<scenario>
+impact: setup ## any impact of two bodies in both codes: make impact CASE=tests/impact.toml, or CASE=<scenario>
 	@$(ANALYSIS) impact $(CASE)
 mutations: setup ## wrong laws that the verification must notice: which case catches which (half an hour)
 	@$(ANALYSIS) mutations
