@@ -123,7 +123,7 @@ def test_bad_impact_files_are_refused_in_one_line(tmp_path, capsys, old, new, sa
 
 
 def test_example_is_a_good_file():
-    case = impact.read_impact(ROOT / "examples" / "impact.toml")
+    case = impact.read_impact(ROOT / "tests" / "impact.toml")
     assert case.balls[1].radius == 0.02 and not case.wall
 
 
@@ -191,7 +191,8 @@ def test_path_and_wall_dashpot(code, tmp_path):
 def test_impact_command(code, tmp_path):
     """A nearly head-on impact by file gives the restitution of its law and conserves momentum."""
     path = write(tmp_path,
-                 GOOD.replace("60.0", "3.0").replace('motion = { value = "held", unit = "-" }', 'radius = { value = 0.02, unit = "m" }'))
+                 GOOD.replace("60.0", "3.0").replace('motion = { value = "held", unit = "-" }',
+                                                      'radius = { value = 0.02, unit = "m" }'))
     done = subprocess.run(
         [sys.executable, "-m", "analysis", "impact",
          str(path), "--code", code, "--out",
