@@ -23,17 +23,18 @@ CHANGES = {
 }
 
 
+def set_value(text: str, key: str, value: str) -> str:
+    """Replace the value of every line `key = { value = ..., ` of a scenario file."""
+    text, found = re.subn(rf"^({re.escape(key)}\s*= {{ value = )[^,]+", rf"\g<1>{value}", text, flags=re.MULTILINE)
+    assert found, f"{SCENARIO_FILE.name} has no key {key} any more"
+    return text
+
+
 def write_scenarios(path: Path, **more: str) -> Path:
     """Write the scenario file of the small bed; `more` sets further keys by the last part of their names."""
     text = SCENARIO_FILE.read_text()
     for key, value in (CHANGES | more).items():
-        text, found = re.subn(rf"^({re.escape(key)}\s*= {{ value = )[^,]+", rf"\g<1>{value}", text, flags=re.MULTILINE)
-        assert found, f"{SCENARIO_FILE.name} has no key {key} any more"
+        text = set_value(text, key, value)
     rest, limits = text.split("[base.limits]")
-    text = (
-        re.sub(r"^(kinetic_energy\s*= { value = )[^,]+", r"\g<1>1e-5", rest, flags=re.MULTILINE)
-        + "[base.limits]"
-        + limits
-    )
-    path.write_text(text)
+    path.write_text(set_value(rest, "kinetic_energy", "1e-5") + "[base.limits]" + limits)
     return path

@@ -181,7 +181,7 @@ def small_disk(path, free_bytes):
 
 def test_a_full_disk_is_one_line_and_the_run_goes_on_once_there_is_room(code, undisturbed, begin, tmp_path):
     expected = undisturbed("linear-mu0.8", code)
-    with small_disk(tmp_path / "disk", free_bytes=100_000) as (fill, make_room):
+    with small_disk(tmp_path / "disk", free_bytes=60_000) as (fill, make_room):
         folder, arguments = begin(tmp_path / "disk" / "results", "linear-mu0.8", code)
         done = drive(REAL, *arguments, **fill())
         assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr

@@ -22,6 +22,7 @@ from driver import (
     wait_for,
     wait_until,
 )
+from small_bed import set_value
 
 from analysis import derived, record
 from analysis.engines import BED_HEADER
@@ -174,28 +175,26 @@ def test_more_cycles_extend_a_finished_run(finished, tmp_path):
     assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout  # fewer are there as well
 
 
-def variant(tmp_path, old, new):
-    """A scenario file that differs in one text."""
-    text = (ROOT / "scenarios.toml").read_text()
-    assert old in text
+def variant(tmp_path, key, value):
+    """A scenario file that differs in one value."""
     path = tmp_path / "scenarios.toml"
-    path.write_text(text.replace(old, new))
+    path.write_text(set_value((ROOT / "scenarios.toml").read_text(), key, value))
     return path
 
 
 def test_a_changed_scenario_is_refused_with_the_difference(finished, tmp_path):
     results, folder = finished
     before = results_of(folder)
-    path = variant(tmp_path, "relax_steps          = { value = 3000", "relax_steps          = { value = 3001")
+    path = variant(tmp_path, "relax_steps", "12345")
     done = drive(FAKE, *LINEAR, "--results", results, "--scenarios", path)
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
-    assert "packing.relax_steps: 3000 -> 3001" in done.stderr and "make distclean-run" in done.stderr
+    assert "packing.relax_steps: " in done.stderr and " -> 12345" in done.stderr and "make distclean-run" in done.stderr
     assert results_of(folder) == before
 
 
 def test_a_changed_limit_of_the_watch_is_no_change_of_the_bed(finished, tmp_path):
     results, _ = finished
-    path = variant(tmp_path, "overlap_ratio  = { value = 0.2,", "overlap_ratio  = { value = 0.3,")
+    path = variant(tmp_path, "overlap_ratio", "0.3")
     assert drive(FAKE, *LINEAR, "--results", results, "--scenarios", path).returncode == 0
 
 
@@ -231,7 +230,7 @@ def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
 
 
 def test_a_bed_of_other_clumps_is_refused(undisturbed, tmp_path):
-    path = variant(tmp_path, "aspect      = { value = 1.875", "aspect      = { value = 1.5")
+    path = variant(tmp_path, "aspect", "1.5")
     done = drive(
         FAKE, *LINEAR, "--results", tmp_path, "--scenarios", path, "--bed", undisturbed / "raw" / "bed_packed.csv"
     )
