@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import pandas as pd
+
 from . import claims, compare, figures, laws, settlement, verification_figures
 from .figures import CODE_NAMES, MM, short_name
 from .readers import Runs
@@ -606,64 +608,46 @@ def claims_page(book: Book) -> dict:
 
 
 def verification(book: Book) -> dict:
-    """The result of `make verify`: a plot and a table per case."""
+    """The result of `make verify`: a figure and a table per case."""
     rows = book.verification
+    codes = sorted(set(rows["code"]), key=lambda code: (code not in CODE_NAMES, code))
+    summary = Table("Comparisons that pass", [Column("case"), *(Column(CODE_NAMES.get(code, code)) for code in codes)])
     cases = []
-    summary = Table(
-        "Comparisons that pass, per case and code",
-        [Column("case"), *(Column(CODE_NAMES.get(code, code)) for code in sorted(set(rows["code"])))],
-    )
     for case in dict.fromkeys(rows["case"]):
         part = rows[rows["case"] == case].sort_values("passed", kind="stable")
-        table = Table(
-            "",
-            [
-                Column("code"),
-                Column("quantity"),
-                Column("expected", True),
-                Column("measured", True),
-                Column("relative error", True),
-                Column("tolerance", True),
-                Column("verdict"),
-                Column("reason", wide=True),
-            ],
-        )
-        for r in part.itertuples():
-            table.rows.append(
-                [
-                    CODE_NAMES.get(r.code, r.code),
-                    r.quantity,
-                    number(r.expected, 6),
-                    number(r.measured, 6),
-                    number(r.rel_error, 2),
-                    number(r.tolerance, 2),
-                    Chip("pass", "good") if r.passed else Chip("fail", "bad"),
-                    r.reason,
-                ]
-            )
+        title = verification_figures.case_name(case)
+        figure = verification_figures.case_figure(book.gallery, book.verification_folder, case, part)
+        passed = int(part["passed"].sum())
         cases.append(
-            {
-                "name": case,
-                "title": case.replace("_", " ").replace("-", " ").capitalize(),
-                "passed": int(part["passed"].sum()),
-                "total": len(part),
-                "table": table,
-                "figure": verification_figures.case_figure(book.gallery, book.verification_folder, case),
-            }
+            {"name": case, "title": title, "passed": passed, "total": len(part), "figure": figure}
+            | {"failed": case_table(part[~part["passed"]]), "table": case_table(part[part["passed"]])}
         )
-        counts = []
-        for code in sorted(set(rows["code"])):
+        engines = set(part["code"]) & set(CODE_NAMES)
+        cells = []
+        for code in codes:
             mine = part[part["code"] == code]
-            counts.append(
-                Chip(f"{int(mine['passed'].sum())} of {len(mine)}", "good" if mine["passed"].all() else "bad")
-                if len(mine)
-                else Chip("not run", "open")
-            )
-        summary.rows.append([cases[-1]["title"], *counts])
-    return {
-        "rows": len(rows) > 0,
-        "passed": int(rows["passed"].sum()) if len(rows) else 0,
-        "total": len(rows),
-        "cases": cases,
-        "summary": summary,
-    }
+            if len(mine):
+                count = f"{int(mine['passed'].sum())} of {len(mine)}"
+                cells.append(Chip(count, "good" if mine["passed"].all() else "bad"))
+            else:
+                cells.append(Chip("not run", "open") if engines and code in CODE_NAMES else "–")
+        summary.rows.append([title, *cells])
+    total = len(rows)
+    return {"rows": total > 0, "passed": int(rows["passed"].sum()), "total": total, "cases": cases, "summary": summary}
+
+
+def case_table(rows: pd.DataFrame) -> Table:
+    """Comparisons of one case."""
+    columns = [Column("code"), Column("quantity"), Column("expected", True), Column("measured", True)]
+    columns += [
+        Column("relative error", True),
+        Column("tolerance", True),
+        Column("verdict"),
+        Column("reason", wide=True),
+    ]
+    table = Table("", columns)
+    for r in rows.itertuples():
+        verdict = Chip("pass", "good") if r.passed else Chip("fail", "bad")
+        numbers = [number(r.expected, 6), number(r.measured, 6), number(r.rel_error, 2), number(r.tolerance, 2)]
+        table.rows.append([CODE_NAMES.get(r.code, r.code), r.quantity, *numbers, verdict, r.reason])
+    return table

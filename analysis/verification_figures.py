@@ -1,4 +1,4 @@
-"""A figure for each verification case: what the engines gave, on top of what was expected."""
+"""Figures of the verification: errors against tolerances, and what the engines gave on top of what was expected."""
 
 from __future__ import annotations
 
@@ -9,32 +9,52 @@ import numpy as np
 import pandas as pd
 
 from . import style
-from .figures import CODE_NAMES, Figure, Gallery, css
-from .style import CODE_STYLES, OTHER_STYLE, PAPER, SOFT
+from .figures import Figure, Gallery, css
+from .style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, SOFT
 
-SERIES_COLOURS = ("linear", "nonlinear", "md1", "md0", "md2", "other")
-UNITS = {
-    "m": "m",
-    "N": "N",
-    "s": "s",
-    "J": "J",
-    "Pa": "Pa",
-    "rad": "rad",
-    "deg": "°",
-    "degrees": "°",
-    "m_s": "m/s",
-    "rad_s": "rad/s",
-    "ratio": "",
+CASE_NAMES = {
+    "head-on": "Head-on impact of two spheres",
+    "wall-dashpot": "Dashpot at a wall",
+    "chung-ooi": "Chung and Ooi (2011), tests 1 to 3",
+    "oblique": "Oblique impact on a wall",
+    "no-approach": "Contacts without approach speed",
+    "path": "Imposed paths: load, slide, reverse, unload, reload",
+    "free-rotation": "Free rotation of a clump",
+    "clump-bounce": "A clump bounces off a wall",
+    "energy": "Energy of columns of clumps",
+    "load-control": "Load control on a stack of known stiffness",
+    "porosity": "Porosity of the measurement spheres",
 }
+UNITS = {"m_s": "m/s", "rad_s": "rad/s", "deg": "°", "rad": "rad", "Pa": "Pa", "m": "m", "s": "s", "N": "N", "J": "J"}
+PREFIXES = ((1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"))
+PREFIXED = ("m", "s", "N", "J", "Pa")
+CYCLE = ("linear", "nonlinear", "md1", "md0", "md2", "other")
 MOST_LABELS = 7
+ALIKE = 8.0
+"""Curves whose greatest values are within this ratio share a panel."""
+LEAST_ERROR = 1e-12
 
 
-def heading(column: str) -> str:
-    """`normal_force_N` as an axis has it: normal force, N."""
-    for suffix in sorted(UNITS, key=len, reverse=True):
-        if column.endswith(f"_{suffix}") and suffix != "ratio":
-            return column[: -len(suffix) - 1].replace("_", " ") + f", {UNITS[suffix]}"
-    return column.replace("_", " ")
+def case_name(case: str) -> str:
+    """A case in words."""
+    return CASE_NAMES.get(case, case.replace("-", " ").replace("_", " ").capitalize())
+
+
+def split_unit(column: str) -> tuple[str, str]:
+    """`normal_force_N` -> (normal force, N)."""
+    for suffix, unit in UNITS.items():
+        if column.endswith(f"_{suffix}"):
+            return column[: -len(suffix) - 1].replace("_", " "), unit
+    return column.replace("_", " "), ""
+
+
+def axis_of(column: str, greatest: float) -> tuple[str, float]:
+    """(label with a unit of handy size, factor from SI) for values up to `greatest`."""
+    name, unit = split_unit(column)
+    if unit not in PREFIXED or not greatest > 0:
+        return (f"{name}, {unit}" if unit else name), 1.0
+    scale, prefix = next(((s, p) for s, p in reversed(PREFIXES) if greatest >= s), PREFIXES[0])
+    return f"{name}, {prefix}{unit}", 1 / scale
 
 
 def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
@@ -42,12 +62,9 @@ def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
     same.
     """
     found = {}
-    for path in sorted(folder.glob(f"{case}_*.csv")):
-        code = path.stem[len(case) + 1 :]
-        if code not in CODE_NAMES:
-            continue
+    for code in CODE_NAMES:
         try:
-            table = pd.read_csv(path, dtype={"series": str})
+            table = pd.read_csv(folder / f"{case}_{code}.csv", dtype={"series": str})
         except (OSError, ValueError):
             continue
         if len(table) and "series" in table and table.shape[1] >= 3:
@@ -55,85 +72,143 @@ def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
     return found
 
 
-def case_figure(g: Gallery, folder: Path, case: str) -> Figure | None:
-    """One panel per quantity of a case: expected as broad lines, measured as the code's marks."""
+def case_figure(g: Gallery, folder: Path, case: str, rows: pd.DataFrame) -> Figure | None:
+    """Errors of a case against their tolerances, and its curves: one panel per quantity and size."""
+    name = f"verification-{re.sub('[^a-z0-9-]+', '-', case.lower())}"
     curves = case_curves(folder, case)
-    if not curves:
-        return None
-    first = next(iter(curves.values()))
-    abscissa, *names = [c for c in first.columns if c != "series" and not c.endswith("_expected")]
-    drawn = [_panel(f"verification-{case}-{name}", curves, abscissa, name) for name in names]
-    figure = g.finish(
-        f"verification-{re.sub('[^a-z0-9-]+', '-', case.lower())}",
-        case.replace("_", " ").capitalize(),
-        "Broad grey: expected. Coloured: measured, one colour per series.",
-        drawn,
-        [],
-    )
+    drawn = [_errors(f"{name}-errors", rows)]
+    caption = "Relative error of every comparison against its tolerance (bar)."
+    if curves:
+        abscissa, *columns = [c for c in next(iter(curves.values())) if c != "series" and not c.endswith("_expected")]
+        for column in columns:
+            for n, group in enumerate(_groups(curves, column)):
+                drawn.append(_panel(f"{name}-{column}" + (f"-{n + 1}" if n else ""), curves, abscissa, column, group))
+        caption += " Broad grey: expected; coloured: measured."
+    figure = g.finish(name, case_name(case), caption, drawn, [])
     if figure:
-        figure.key = [{"label": CODE_NAMES[code], "code": code} for code in sorted(curves)]
+        codes = [code for code in CODE_NAMES if code in set(rows["code"]) | set(curves)]
+        figure.key = [{"label": CODE_NAMES[code], "code": code} for code in codes]
     return figure
 
 
-def _panel(name: str, curves: dict[str, pd.DataFrame], abscissa: str, column: str) -> style.Canvas | None:
-    c = style.canvas(name, f"{heading(column)} against {heading(abscissa)}", right=1.3, height=3.0)
-    series_names = list(dict.fromkeys(s for table in curves.values() for s in table["series"]))
-    colours = {
-        s: style.shade(SERIES_COLOURS[n % len(SERIES_COLOURS)], 0.0 if n < len(SERIES_COLOURS) else 0.8)
-        for n, s in enumerate(series_names)
+def _errors(name: str, rows: pd.DataFrame) -> style.Canvas:
+    """A line per quantity: relative errors as marks on a logarithmic axis, the tolerance as a bar."""
+    kinds = rows["quantity"].str.replace(r" of .*", "", regex=True)
+    order = list(dict.fromkeys(kinds))
+    c = style.canvas(name, "Relative errors and tolerances", height=max(2.4, 1.0 + 0.2 * len(order)), left=1.75, right=0.15)
+    for n, kind in enumerate(order):
+        part = rows[kinds == kind]
+        for tolerance in sorted(set(part["tolerance"].dropna())):
+            c.axes.plot([max(tolerance, LEAST_ERROR)] * 2, [n - 0.36, n + 0.36], color=SOFT, linewidth=2)
+        for code, mine in part.groupby("code", sort=True):
+            look = CODE_STYLES.get(code, OTHER_STYLE)
+            for good, some in mine.groupby("passed"):
+                colour = style.shade("md1" if good else "nonlinear")
+                shift = {"liggghts": -0.14, "yade": 0.14}.get(code, 0)
+                c.axes.plot(
+                    np.clip(some["rel_error"].fillna(1), LEAST_ERROR, None),
+                    np.full(len(some), n + shift),
+                    linestyle="",
+                    marker=look["marker"],
+                    markersize=3.2,
+                    markeredgewidth=0.8,
+                    markerfacecolor=PAPER if code == "yade" else colour,
+                    markeredgecolor=colour,
+                )
+    c.axes.set_xscale("log")
+    c.axes.set_yticks(range(len(order)), [_short(split_unit(kind)[0]) for kind in order])
+    c.axes.set_ylim(len(order) - 0.4, -0.6)
+    c.axes.set_xlabel("relative error")
+    c.table = rows
+    return c
+
+
+def _short(text: str, room: int = 30) -> str:
+    return text if len(text) <= room else text[: room - 1] + "…"
+
+
+def _groups(curves: dict[str, pd.DataFrame], column: str) -> list[list[str]]:
+    """Series whose greatest values are alike, the largest first; at most four groups."""
+    peaks: dict[str, float] = {}
+    for table in curves.values():
+        if column in table:
+            values = pd.to_numeric(table[column], errors="coerce").abs()
+            for series, peak in values.groupby(table["series"]).max().items():
+                peaks[series] = max(peaks.get(series, 0.0), peak) if peak == peak else peaks.get(series, 0.0)
+    groups: list[list[str]] = []
+    start = 0.0
+    for series, peak in sorted(peaks.items(), key=lambda item: -item[1]):
+        if not groups or (peak * ALIKE < start and len(groups) < 4):
+            groups.append([])
+            start = peak
+        groups[-1].append(series)
+    return groups
+
+
+def _colour(series: str, n: int) -> str:
+    """Series named after a law have that law's hue."""
+    family = next((f for f in ("md0", "md1", "md2", "linear") if f in series), None)
+    if family is None and re.search(r"en1|hertz|hysteretic|nonlinear", series):
+        family = "nonlinear"
+    return style.shade(family or CYCLE[n % len(CYCLE)])
+
+
+def _panel(
+    name: str, curves: dict[str, pd.DataFrame], abscissa: str, column: str, group: list[str]
+) -> style.Canvas | None:
+    """One quantity of a few series in both codes."""
+    chosen = {code: t[t["series"].isin(group)] for code, t in curves.items() if column in t}
+    chosen = {
+        code: t.assign(**{k: pd.to_numeric(t[k], errors="coerce") for k in (abscissa, column)})
+        for code, t in chosen.items()
     }
-    frames = []
-    for code, table in curves.items():
-        if column not in table:
-            continue
+    greatest = [max((t[k].abs().max() for t in chosen.values()), default=0.0) for k in (abscissa, column)]
+    (x_label, x_factor), (y_label, y_factor) = axis_of(abscissa, greatest[0]), axis_of(column, greatest[1])
+    labelled = 1 < len(group) <= MOST_LABELS
+    c = style.canvas(name, f"{y_label} against {x_label}", right=1.25 if labelled else 0.3, height=3.0)
+    for code, table in chosen.items():
         look = CODE_STYLES.get(code, OTHER_STYLE)
-        for series, part in table.groupby("series", sort=False):
-            x, y = pd.to_numeric(part[abscissa], errors="coerce"), pd.to_numeric(part[column], errors="coerce")
+        for n, series in enumerate(sorted(group)):
+            part = table[table["series"] == series]
+            x, y = x_factor * part[abscissa].to_numpy(), y_factor * part[column].to_numpy()
             if not np.isfinite(y).any():
                 continue
-            expected = part.get(f"{column}_expected")
-            if expected is not None:
-                c.axes.plot(x, expected, color=SOFT, linewidth=4, alpha=0.35, zorder=1, solid_capstyle="butt")
-            few = len(part) <= 25
+            colour, few = _colour(series, n), len(part) <= 25
+            expected = f"{column}_expected" in part
+            if expected:
+                c.axes.plot(x, y_factor * part[f"{column}_expected"], color=SOFT, linewidth=4, alpha=0.35, zorder=1)
             c.axes.plot(
                 x,
                 y,
-                color=colours[series],
-                linewidth=0 if few and expected is not None else 1.2,
+                color=colour,
+                linewidth=0 if few and expected else 1.1,
                 linestyle=look["linestyle"],
                 marker=look["marker"] if few else "",
                 markersize=4.2 if code == "liggghts" else 6,
                 zorder=3 if code == "liggghts" else 2,
-                markerfacecolor=PAPER if code == "yade" else colours[series],
-                markeredgecolor=colours[series],
+                markerfacecolor=PAPER if code == "yade" else colour,
+                markeredgecolor=colour,
             )
-            if (
-                len(series_names) <= MOST_LABELS
-                and series not in {text for _, _, text, _ in c.labels}
-                and len(series_names) > 1
-            ):
-                end = np.flatnonzero(np.isfinite(y.to_numpy()))[-1]
-                c.labels.append((x.iloc[end], y.iloc[end], series, colours[series]))
-            c.series.append(
-                {
-                    "label": f"{series} {CODE_NAMES[code]}",
-                    "colour": css(colours[series]),
-                    "x": [float(f"{v:.6g}") for v in x],
-                    "y": [None if v != v else float(f"{v:.6g}") for v in y],
-                }
-            )
-        frames.append(part_of(table, abscissa, column).assign(code=code))
-    if not frames:
+            if labelled and series not in {text for _, _, text, _ in c.labels}:
+                end = np.flatnonzero(np.isfinite(y))[-1]
+                c.labels.append((x[end], y[end], series, colour))
+            if few:
+                values = [None if v != v else float(f"{v:.6g}") for v in y]
+                c.series.append(
+                    {
+                        "label": f"{series} {CODE_NAMES[code]}",
+                        "colour": css(colour),
+                        "x": [float(f"{v:.6g}") for v in x],
+                        "y": values,
+                    }
+                )
+    if not c.axes.lines:
         return None
-    if sum(len(s["x"]) for s in c.series) > 1200:
-        c.series = []  # too fine for reading values off a page; the CSV has them all
-    c.axes.set(xlabel=heading(abscissa), ylabel=heading(column))
-    c.axes.ticklabel_format(axis="both", style="sci", scilimits=(-3, 4), useMathText=False)
-    c.hover_x = heading(abscissa)
-    c.table = pd.concat(frames, ignore_index=True)
+    c.leaders = False
+    c.axes.set(xlabel=x_label, ylabel=y_label)
+    c.hover_x, c.hover_unit = x_label.partition(",")[0], y_label.partition(", ")[2]
+    columns = ["series", abscissa, column, f"{column}_expected"]
+    c.table = pd.concat(
+        [t[[k for k in columns if k in t]].assign(code=code) for code, t in chosen.items()], ignore_index=True
+    )
     return c
-
-
-def part_of(table: pd.DataFrame, abscissa: str, column: str) -> pd.DataFrame:
-    """The columns behind one panel."""
-    return table[[name for name in ("series", abscissa, column, f"{column}_expected") if name in table]]
