@@ -18,7 +18,7 @@ from . import engines
 from .verify import verify
 
 SOURCE = engines.ROOT / "liggghts"
-CASES = ["head-on", "wall-dashpot", "oblique", "no-approach", "path", "clump-bounce"]
+CASES = ["head-on", "wall-dashpot", "oblique", "no-approach", "path", "clump-bounce", "clump-pair"]
 
 
 @dataclass(frozen=True)

@@ -144,7 +144,7 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
         return float(max(function(u, w) for u, w in found.sol(fine).T))
 
     return Impact(peak(states[0], lambda u, w: u * length), peak(force, force_at),
-                  end * scale, -float(found.sol(end)[1]), grid * scale, states[0] * length, force)
+                  float(end * scale), -float(found.sol(end)[1]), grid * scale, states[0] * length, force)
 
 
 # ------------------------------------------------------------------ forces along a prescribed path

@@ -181,6 +181,46 @@ class Bounces:
                         spin_rad_s_expected=states[pick, 5])
 
 
+class Pairs:
+    """Case 6c: two clumps meet head-on, end to end: inertia and dashpot have the mass of whole clumps."""
+
+    name, title = "clump-pair", "Two clumps meet end to end"
+    SPEED = 1.0
+
+    def __init__(self, code: str):
+        linear, damped = load_scenario("linear-mu0.8"), load_scenario("nonlinear-md1-en0.6")
+        self.clump = derived.clump(linear)
+        mass, radius = self.clump.mass_kg / 2, self.clump.radius_m
+        self._entries = []
+        for name, scenario in (("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
+                               ("hysteretic", damped)):
+            law = pair_law(code, scenario, mass, laws.effective_radius(radius, radius))
+            step = oracle.head_on(law, self.SPEED).duration_s / 2000
+            reach = radius + self.clump.half_distance_m + 10.2 * step * self.SPEED
+            clumps = tuple(
+                ClumpAt((X + side * reach, Y, 0.2), about_y(90), (-side * self.SPEED / 2, 0.0, 0.0))
+                for side in (-1, 1))
+            self._entries.append((name, law, Probe(f"clump-pair-{name}", scenario, step, 2200, clumps=clumps)))
+
+    def probes(self) -> list[Probe]:
+        return [entry[-1] for entry in self._entries]
+
+    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+        for name, law, probe in self._entries:
+            motion = Motion(self.clump, found[probe.name])
+            expected = oracle.head_on(law, self.SPEED)
+            apart = motion.centre[:, 1, 0] - motion.centre[:, 0, 0]
+            overlap = 2 * (self.clump.radius_m + self.clump.half_distance_m) - apart
+            restitution = (motion.velocity[-1, 1, 0] - motion.velocity[-1, 0, 0]) / self.SPEED
+            sheet.compare(self.name, f"restitution of {name}", expected.restitution, restitution, 0.005, "oracle")
+            force = motion.force[:, 1, 0]
+            for quantity, peak in (("peak_overlap_m", overlap.max()), ("peak_force_N", force.max())):
+                sheet.compare(self.name, f"{quantity} of {name}", getattr(expected, quantity), peak, 0.005, "oracle")
+            pick = expected.time_s[::8]
+            force = np.interp(pick, motion.time - 20.4 * probe.step, force)
+            sheet.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
+
+
 class Column:
     """Case 8: a column of clumps falls on the floor under gravity.
 
@@ -302,4 +342,4 @@ def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: floa
     return slip, dashpot
 
 
-CASES = (FreeRotation, Bounces, Column)
+CASES = (FreeRotation, Bounces, Pairs, Column)

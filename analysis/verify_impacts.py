@@ -364,17 +364,17 @@ class NoApproach:
             if self.code == "yade":
                 reason = "YADE's viscous Hertz law needs no limit: its own oracle"
             sheet.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
-            if self.code == "yade":
-                continue
-            sheet.compare(self.name, f"overlap_at_rest_m of {probe.name}", static, overlap[-1], 0.005,
-                          "closed form: weight = Hertz force")
-            resting = int(rows.at_limit[-1])
-            sheet.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
             sheet.curve(self.name,
                         probe.name,
                         time_s=rows.time[::30],
                         overlap_m=overlap[::30],
                         overlap_m_expected=expected[::30])
+            if self.code == "yade":
+                continue    # its weaker dashpot has not brought the sphere to rest by then, and has no limit to count
+            sheet.compare(self.name, f"overlap_at_rest_m of {probe.name}", static, overlap[-1], 0.005,
+                          "closed form: weight = Hertz force")
+            resting = int(rows.at_limit[-1])
+            sheet.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
 
 
 def sink(law, overlap: float, speed: float, gravity: float, times: np.ndarray) -> np.ndarray:
