@@ -147,6 +147,7 @@ class Stage:
         O.tags["step"] = str(self.step)
         O.tags["clumps"] = json.dumps(self.bed.numbers)
         O.tags["load_control"] = json.dumps(self.control.memory())
+        O.interactions.serializeSorted = True           # contacts in the order of bodies: a tenth faster after the load
         aside = folder / f"partial_{name}.yade.gz"      # YADE compresses by the ending
         O.save(str(aside))
         _check_whole(aside)
