@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.patches import Circle, Rectangle
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from . import compare, derived, laws, quantities, style, tables, view
 from .readers import Run, Runs
@@ -328,8 +328,10 @@ def _cycle_axis(c: Canvas, last: float, log: bool) -> None:
     if log:
         c.axes.set_xscale("log")
         c.axes.set_xlim(0.9, max(last, 2) * 1.12)
-        c.axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-        c.axes.xaxis.set_minor_formatter(FuncFormatter(lambda v, _: ""))
+        steps = (1, 2, 5) if last <= 200 else (1,)
+        ticks = [k * 10**n for n in range(7) for k in steps if k * 10**n <= max(last, 2) * 1.12]
+        c.axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
+        c.axes.xaxis.set_minor_formatter(NullFormatter())
     else:
         c.axes.set_xlim(-0.015 * last, last * 1.015)
         c.axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))

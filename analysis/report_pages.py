@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from . import claims, compare, figures, laws, settlement, verification_figures
-from .figures import CODE_NAMES, MM, short_name
-from .readers import Runs
+from . import claims, compare, figures, laws, settlement, tables, verification_figures
+from .figures import CODE_NAMES, MM, family_of, short_name
+from .readers import Run, Runs
 from .report_book import (
     KEY_SCENARIOS,
     PAPER_SCENARIO,
@@ -149,6 +149,8 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(
                 f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
             )
+        if profile == "full":
+            lines += packed_beds(runs)
         worst = max(runs, key=lambda run: tracking_percent(run))
         lines.append(
             f"The load is met within {tracking_percent(worst):.2g} % rms of its maximum in every cycle of these runs "
@@ -162,20 +164,37 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
     for verdict, words in ((claims.HOLDS, "hold"), (claims.FAILS, "do not hold")):
         found = claim_numbers(verdicts, verdict)
         if found:
-            lines.append(f"Of the paper's eleven claims these {words} in at least one code: {found}.")
+            lines.append(f"Of the paper's eleven claims these {words}: {found}.")
     return lines
 
 
+def packed_beds(runs: Sequence[Run]) -> list[str]:
+    """Clumps and porosity of the full-size beds at the end of preload, beside the paper's."""
+    starts = [
+        run.microstructure[run.microstructure["cycle"] == 0] for run in runs if family_of(run.scenario) == "linear"
+    ]
+    porosity = [row[[f"porosity_{k}" for k in tables.SPHERES]].iloc[0].mean() for row in starts if len(row)]
+    clumps = [run.cycles["clumps"].iloc[0] for run in runs if family_of(run.scenario) == "linear"]
+    if not porosity:
+        return []
+    held = " to ".join(dict.fromkeys(number(v, 5) for v in (min(clumps), max(clumps))))
+    mean = " to ".join(dict.fromkeys(f"{v:.3f}" for v in (min(porosity), max(porosity))))
+    return [
+        f"Linear beds hold {held} clumps (paper: 4583) at a mean porosity of {mean} under the sleeper (paper: "
+        f"about 0.35)."
+    ]
+
+
 def claim_numbers(verdicts: Sequence, verdict: str) -> str:
-    """Claims with that verdict and the codes: `1 (LIGGGHTS), 9 (both)`."""
+    """Claims with that verdict by the codes that give it: `1, 2, 9 in both codes; 10 in YADE`."""
     codes: dict[int, list[str]] = {}
     for v in verdicts:
         if v.verdict == verdict:
-            codes.setdefault(v.claim.number, []).append(v.code)
-    return ", ".join(
-        f"{n} ({'both codes' if len(found) > 1 else CODE_NAMES.get(found[0], found[0])})"
-        for n, found in sorted(codes.items())
-    )
+            codes.setdefault(v.claim.number, []).append(CODE_NAMES.get(v.code, v.code))
+    groups: dict[str, list[str]] = {}
+    for n, found in sorted(codes.items()):
+        groups.setdefault("both codes" if len(found) > 1 else found[0], []).append(str(n))
+    return "; ".join(f"{', '.join(numbers)} in {where}" for where, numbers in groups.items())
 
 
 def pending(book: Book, verdicts: Sequence) -> list[str]:
@@ -194,16 +213,13 @@ def pending(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(f"{len(missing)} of the paper's 14 scenarios have no full-size run: {', '.join(missing)}.")
         short = [run for run in full if last_cycle(run) < 1000]
         if short:
-            lines.append(
-                f"{len(short)} of {plural(len(full), 'full-size run')} have fewer than the paper's 1000 cycles."
-            )
+            which = "No full-size run has" if len(short) == len(full) else f"{len(short)} full-size runs have not"
+            lines.append(f"{which} reached the paper's 1000 cycles.")
         groups = {(run.scenario_name, run.code) for run in full}
         single = [key for key in groups if sum((run.scenario_name, run.code) == key for run in full) == 1]
         if single:
-            lines.append(
-                f"{len(single)} of {len(groups)} full-size curves rest on a single packing seed and have no "
-                f"uncertainty."
-            )
+            which = "All" if len(single) == len(groups) else f"{len(single)} of {len(groups)}"
+            lines.append(f"{which} full-size curves rest on a single packing seed: they have no uncertainty.")
     curves = book.references.pending
     if len(curves):
         lines.append(
@@ -399,7 +415,7 @@ def paper_figures(book: Book) -> dict:
             "against them."
         )
     return {
-        "lead": f"Each figure with both codes, from {size}."
+        "lead": f"Drawn from {size}, in every code that has one."
         if runs
         else "There is no run yet; what needs none is shown.",
         "groups": groups,
@@ -411,18 +427,10 @@ def paper_figures(book: Book) -> dict:
 def bed_group(book: Book, profile: str) -> dict:
     """Figure 5: packed beds, and the force chains after loading."""
     g = book.gallery
-    candidates = [run for run in book.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1] or list(
-        book.of(profile)
-    )[:2]
-    packed, label = (
-        [
-            run
-            for run in candidates
-            if (run.folder / "raw" / "bed_packed.csv").exists() and not run.info.get("bed", "own").startswith("results")
-        ],
-        "packed",
-    )
-    packed = [run for run in packed if run.scenario is not None and not run.scenario["packing.bed_from"]] or packed
+    candidates = [run for run in book.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1]
+    candidates = candidates or list(book.of(profile))[:2]
+    packed, label = [run for run in candidates if (run.folder / "raw" / "bed_packed.csv").exists()], "packed"
+    packed = [run for run in packed if run.scenario and not run.scenario["packing.bed_from"]] or packed
     if not packed:
         packed, label = [run for run in candidates if (run.folder / "bed_before.csv").exists()], "before"
     what = (

@@ -12,6 +12,7 @@ from . import derived, figures, tables
 from .figures import KPA, MM
 from .readers import Run
 from .report_book import (
+    KEY_SCENARIOS,
     Book,
     changed_keys,
     known_scenarios,
@@ -69,7 +70,7 @@ def runs_table(runs: Sequence[Run]) -> Table:
                 f"{number(lateral.min(), 2, MM)} to {number(lateral.max(), 2, MM)}" if last is not None else "–",
                 number(tracking_percent(run), 2),
                 number(speed(run), 3),
-                run.info.get("bed", "–"),
+                bed_of(run),
             ]
         )
     return table
@@ -103,7 +104,7 @@ def runs_page(book: Book) -> dict:
                 versions.get("analysis", "–"),
                 commit + ("+" if run.info.get("git_dirty") else ""),
                 str(run.seed),
-                run.info.get("bed", "–"),
+                bed_of(run),
                 Chip(state, STATE_KIND.get(state, "open")),
             ]
         )
@@ -135,6 +136,12 @@ def runs_page(book: Book) -> dict:
         "results": book.results,
         "problems": book.problems,
     }
+
+
+def bed_of(run: Run) -> str:
+    """Where the packed bed came from."""
+    bed = str(run.info.get("bed", "–"))
+    return f"of {bed.split('/')[2]}" if bed.startswith("../../") else bed
 
 
 def run_entry(run: Run, state: str, reason: str) -> dict:
@@ -200,7 +207,8 @@ def plate_sentence(run: Run) -> list[str]:
 def assumptions(book: Book) -> dict:
     """Every parameter with status and source, and what runs say about the assumed ones."""
     names = known_scenarios()
-    base = load_scenario(names[0], "full") if names else None
+    scenarios = {name: load_scenario(name, "full") for name in names}
+    base = scenarios.get(KEY_SCENARIOS[0]) or next(iter(scenarios.values()), None)
     groups: dict[str, list] = {}
     for key, p in (base.parameters if base else {}).items():
         section = key.rpartition(".")[0]
@@ -215,40 +223,25 @@ def assumptions(book: Book) -> dict:
             }
         )
     counts = {s: sum(p["status"] == s for group in groups.values() for p in group) for s in STATUSES}
-    differences = Table(
-        "Only what is not as in the first scenario",
-        [
-            Column("scenario"),
-            Column("parameter"),
-            Column("value", True),
-            Column("unit"),
-            Column("status"),
-            Column("source", wide=True),
-        ],
-    )
-    for name in names[1:]:
-        scenario = load_scenario(name, "full")
-        for key, p in scenario.parameters.items():
-            if base is not None and p.value != base[key]:
-                differences.rows.append(
-                    [
-                        name,
-                        key,
-                        shown(p.value),
-                        p.unit if p.unit != "-" else "",
-                        Chip(p.status, STATUS_KIND[p.status]),
-                        p.source,
-                    ]
-                )
     table, missing = sensitivity(book)
     return {
         "statuses": [{"name": s, "kind": STATUS_KIND[s], "count": counts[s], "text": STATUS_TEXT[s]} for s in STATUSES],
         "groups": [{"name": name, "parameters": entries} for name, entries in groups.items()],
         "derived": derived_table(base) if base else None,
-        "differences": differences,
+        "differences": difference_table(scenarios),
+        "base": base.name if base else "",
         "sensitivity": table,
         "sensitivity_missing": missing,
     }
+
+
+def difference_table(scenarios: dict[str, Scenario]) -> Table:
+    """Every scenario with the parameters in which any two of them differ."""
+    sets = list(scenarios.values())
+    keys = [key for key in (sets[0].parameters if sets else ()) if any(s[key] != sets[0][key] for s in sets)]
+    columns = [Column("scenario"), *(Column(key.replace(".", ". ").replace("_", " "), True) for key in keys)]
+    rows = [[name, *(shown(s[key]) for key in keys)] for name, s in scenarios.items()]
+    return Table("Parameters in which any two scenarios differ, SI units", columns, rows)
 
 
 def derived_table(s: Scenario) -> Table:

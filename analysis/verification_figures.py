@@ -95,7 +95,9 @@ def _errors(name: str, rows: pd.DataFrame) -> style.Canvas:
     """A line per quantity: relative errors as marks on a logarithmic axis, the tolerance as a bar."""
     kinds = rows["quantity"].str.replace(r" of .*", "", regex=True)
     order = list(dict.fromkeys(kinds))
-    c = style.canvas(name, "Relative errors and tolerances", height=max(2.4, 1.0 + 0.2 * len(order)), left=1.75, right=0.15)
+    c = style.canvas(
+        name, "Relative errors and tolerances", height=max(2.4, 1.0 + 0.2 * len(order)), left=1.75, right=0.15
+    )
     for n, kind in enumerate(order):
         part = rows[kinds == kind]
         for tolerance in sorted(set(part["tolerance"].dropna())):
