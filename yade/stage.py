@@ -4,6 +4,7 @@ A stage advances in blocks of steps. After each block it appends a row to raw/st
 (SIGTERM, SIGINT), which ends it with exit code 75.
 """
 
+import faulthandler
 import gzip
 import json
 import os
@@ -24,6 +25,10 @@ from state import StateRow
 O = Omega()
 STOPPED = 75
 """Exit code of a stage that ended at a stop request."""
+CHECKPOINT_BYTES_PER_CLUMP = 4000
+"""More than a checkpoint needs; compressed it takes 1.0 to 1.7 kB per clump."""
+SAVE_TIME_LIMIT_S = 600
+"""Real time after which YADE is taken to be stuck in writing a checkpoint."""
 
 
 class StageError(RuntimeError):
@@ -149,7 +154,10 @@ class Stage:
         O.tags["load_control"] = json.dumps(self.control.memory())
         O.interactions.serializeSorted = True           # contacts in the order of bodies: a tenth faster after the load
         aside = folder / f"partial_{name}.yade.gz"      # YADE compresses by the ending
+        _reserve(aside, CHECKPOINT_BYTES_PER_CLUMP * (len(self.bed.numbers) + 20))
+        faulthandler.dump_traceback_later(SAVE_TIME_LIMIT_S, exit=True)
         O.save(str(aside))
+        faulthandler.cancel_dump_traceback_later()
         _check_whole(aside)
         os.replace(aside, folder / f"{name}.yade.gz")
         return folder / f"{name}.yade.gz"
@@ -163,14 +171,24 @@ def not_at_rest(stage: str, limit_s: float, row: StateRow, criterion: str = "res
             f"({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})")
 
 
+def _reserve(path: Path, size: int) -> None:
+    """StageError unless `size` bytes can be written to `path`: YADE tries for ever where a disk is full."""
+    try:
+        with open(path, "wb") as file:
+            os.posix_fallocate(file.fileno(), 0, size)
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise StageError(f"checkpoints/{path.name}: {error.strerror}; free at least {size / 1e6:.1f} MB and run again") from None
+
+
 def _check_whole(path: Path) -> None:
-    """StageError unless a compressed file can be read to its end: YADE does not notice a full disk."""
+    """StageError unless a compressed file can be read to its end."""
     try:
         with gzip.open(path) as file:
             while file.read(1 << 22):
                 pass
     except (OSError, EOFError, zlib.error):
-        raise StageError(f"{path.name}: could not be written whole; free some space and run again") from None
+        raise StageError(f"checkpoints/{path.name}: could not be written whole; free some space and run again") from None
 
 
 def main(name: str, procedure) -> None:
