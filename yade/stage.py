@@ -178,7 +178,8 @@ def _reserve(path: Path, size: int) -> None:
             os.posix_fallocate(file.fileno(), 0, size)
     except OSError as error:
         path.unlink(missing_ok=True)
-        raise StageError(f"checkpoints/{path.name}: {error.strerror}; free at least {size / 1e6:.1f} MB and run again") from None
+        raise StageError(f"checkpoints/{path.name}: {error.strerror}; free at least {size / 1e6:.1f} MB and run "
+                         "again") from None
 
 
 def _check_whole(path: Path) -> None:
@@ -188,7 +189,8 @@ def _check_whole(path: Path) -> None:
             while file.read(1 << 22):
                 pass
     except (OSError, EOFError, zlib.error):
-        raise StageError(f"checkpoints/{path.name}: could not be written whole; free some space and run again") from None
+        raise StageError(f"checkpoints/{path.name}: could not be written whole; free some space and run "
+                         "again") from None
 
 
 def main(name: str, procedure) -> None:
