@@ -170,7 +170,7 @@ class Run:
     # ------------------------------------------------------------------ the folder
 
     def _prepare(self) -> None:
-        """Write the inputs, and the record with what earlier sessions left in it."""
+        """Write the inputs, and the record with what earlier starts of it left."""
         self._refuse_changes()
         done = cycles_done(self.folder)
         if done > self.cycles:
