@@ -7,7 +7,7 @@ import pytest
 
 from analysis import laws, oracle
 
-# physics.md and the sources of eq. 16: restitution that comes out, by damping mode and nominal restitution
+# the sources of eq. 16: restitution that comes out, by damping mode and nominal restitution
 RESTITUTION_OUT = {0: {0.3: 0.3042, 0.6: 0.5773, 0.9: 0.8764, 1.0: 1.0},
                    1: {0.0: 0.6630, 0.3: 0.6842, 0.6: 0.7561, 0.9: 0.9132, 1.0: 1.0},
                    2: {0.0: 0.1787, 0.3: 0.3267, 0.6: 0.5769, 0.9: 0.8959, 1.0: 1.0}}

@@ -24,7 +24,7 @@ inline NormalResponse linear_normal(double overlap, double closing_speed, double
   return {elastic, elastic + dashpot, shear_stiffness, false};
 }
 
-/// Damping factor D of eq. 16, in the forms of physics.md: 0 Gonthier, 1 Lankarani-Nikravesh, 2 Zhiying-Qishao.
+/// Damping factor D of eq. 16, as repaired in analysis/laws.py: 0 Gonthier, 1 Lankarani-Nikravesh, 2 Zhiying-Qishao.
 inline double damping_factor(double restitution, int damping_mode) {
   const double loss = 1.0 - restitution * restitution;
   if (damping_mode == 0) return loss / restitution;
