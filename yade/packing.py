@@ -27,7 +27,7 @@ O = Omega()
 def pack(run: stage.Stage, _) -> None:
     """Relax without friction under the lid, compact at high gravity, bring to rest at normal gravity."""
     s = run.scenario
-    law = ContactLaw(s, "linear")
+    law = ContactLaw(s, run.model)
     apparatus.build(run.box, "wall", law.wall_mask)
     lid = apparatus.close_lid(run.box, "wall", law.wall_mask)
     run.bed = Bed(s)

@@ -29,7 +29,7 @@ O = Omega()
 def preload(run: stage.Stage, _) -> None:
     """Place the bed, bring it to rest, raise the loads, wait until they are met and the bed is at rest."""
     s = run.scenario
-    law = ContactLaw(s, s["contact.model"])
+    law = ContactLaw(s, run.model)
     write_aside(run.raw("deviations.json"), json.dumps(deviations(s), indent=1) + "\n")
     apparatus.build(run.box, "wall", law.wall_mask)
     run.bed = Bed(s)

@@ -41,6 +41,7 @@ class Stage:
     name -- packing, preload or cyclic
     run -- the run folder, which holds scenario.json and raw/
     scenario, grid, box -- the parameters, the time grid and the apparatus that follow from them
+    model -- contact law of the stage: packing always uses the linear one
     step -- steps since the start of the stage
     """
 
@@ -49,6 +50,7 @@ class Stage:
         self.scenario = Scenario.from_json((run / "scenario.json").read_text())
         self.grid = derived.time_grid(self.scenario)
         self.box = derived.apparatus(self.scenario)
+        self.model = "linear" if name == "packing" else self.scenario["contact.model"]
         self._stop = False
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._request_stop)
@@ -73,7 +75,7 @@ class Stage:
         self.step += steps
         if self.control:
             self.control.write_rows()
-        row = StateRow.measure(self.bed, self.scenario["contact.model"], self.gravity)
+        row = StateRow.measure(self.bed, self.model, self.gravity)
         if not row.kinetic_energy_J < float("inf"):
             raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the "
                              "run diverged; a smaller time.step is the usual remedy")
