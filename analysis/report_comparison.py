@@ -268,6 +268,7 @@ def same_bed_table(book: Book, profile: str) -> Table | None:
         for run in (*book.of(profile), *book.variants)
         if run.profile == profile and len(run.cycles) and run.scenario is not None
     ]
+    runs.sort(key=lambda run: (run.scenario_name, -run.scenario["time.step"], run.code))
     prints = {run.id: bed_print(run) for run in runs}
     table = Table(
         "",

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import shutil
 import struct
 import warnings
 import xml.etree.ElementTree as xml
@@ -14,6 +15,8 @@ import pytest
 from synthetic import write_run
 
 from analysis import beds, derived, render, report, style, view
+from analysis.report_book import is_variant
+from analysis.report_comparison import same_bed_table
 from analysis.report_words import number
 from analysis.scenario import load_scenario
 
@@ -190,7 +193,7 @@ def test_claims_are_all_there_with_a_verdict_for_each_code(site):
 def test_verification_shows_failures(site):
     page = site[2]["verification.html"]
     assert "1 of 2 comparisons pass" in page.says and "wrong on purpose" in page.says
-    assert "verification-impact_linear-force_N" in page.text
+    assert "verification-impact-linear-force_N" in page.text
 
 
 def test_runs_page_tells_state_deviations_and_command(site):
@@ -264,6 +267,34 @@ def test_longest_of_equal_runs_is_drawn_and_the_other_named(tmp_path):
     long = report.load_runs(write_run(tmp_path / "b", cycles=5).parents[2])[0]
     chosen, left_out = report.choose([short, long])
     assert list(chosen) == [long] and [run for run, _ in left_out] == [short]
+
+
+def test_runs_from_one_bed_are_paired_by_code_and_by_time_step(tmp_path):
+    folders = [
+        write_run(tmp_path, "demo", "linear-mu0.8", "liggghts", cycles=3),
+        write_run(
+            tmp_path / "same", "demo", "linear-mu0.8", "yade", cycles=3, info={"bed": "results/x/bed_packed.csv"}
+        ),
+        write_run(
+            tmp_path / "half", "demo", "linear-mu0.8", "yade", cycles=3, info={"bed": "results/x/bed_packed.csv"}
+        ),
+    ]
+    law = load_scenario("linear-mu0.8", "demo", cycles=3)
+    (folders[2] / "scenario.json").write_text(law.replace("time.step", law["time.step"] / 2).to_json())
+    for down, folder in enumerate(folders, start=1):
+        shutil.copy(folder / "bed_before.csv", folder / "raw" / "bed_packed.csv")
+        plates = "".join(f",plate_{k}_displacement_m" for k in range(1, 6))
+        (folder / "raw" / "cyclic.csv").write_text(f"sleeper_displacement_m{plates}\n{down}e-3,0,0,0,0,0\n")
+    runs = report.load_runs(tmp_path)
+    drawn = [run for run in runs if not is_variant(run)]
+    assert [run.id for run in drawn] == ["demo/linear-mu0.8/liggghts"]
+    book = report.Book(report.Runs(drawn), report.Runs(r for r in runs if is_variant(r)), [], *[None] * 4, [], "")
+    rows = same_bed_table(book, "demo").rows
+    assert {row[1] for row in rows} == {"code", "time step, 2.9·10⁻⁶ and 1.45·10⁻⁶ s"}
+    assert {tuple(row[4:7]) for row in rows} >= {
+        ("preload settlement, mm", "1", "2"),
+        ("preload settlement, mm", "2", "3"),
+    } and len(rows) == 2 * (1 + 3)
 
 
 def test_command_prints_one_line_for_a_scenario_file_that_cannot_be_used(tmp_path, monkeypatch, capsys):
