@@ -185,7 +185,7 @@ def test_scenario_that_a_user_added_is_drawn(site):
 def test_claims_are_all_there_with_a_verdict_for_each_code(site):
     page = site[2]["claims.html"]
     for n in range(1, 12):
-        assert f"claim-{n}" in page.ids
+        assert f"claim-{n}" in page.ids, n
     verdicts = re.findall(r'<td class=""><span class="chip \w+">([^<]+)</span>', page.text.partition("</table>")[0])
     assert len(verdicts) == 22 and set(verdicts) <= {"holds", "does not hold", "not decidable yet"}
 
