@@ -18,6 +18,8 @@ from .watch import Diverged, Watch
 
 POLL_S = 0.2
 HEARTBEAT_S = 10.0
+STALL_S = 1800.0  # an engine without output for so long hangs: the longest block takes minutes
+FREE_BYTES = 65536  # less is free only where a file did not fit. YADE then tries for ever to write its checkpoint
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -75,7 +77,8 @@ class Supervisor:
         self.watch = Watch(scenario, stage, self.row_step)
         self._state = Tail(self.raw / "state.csv", skip=True)
         self._load = Tail(self.raw / f"{stage}.csv", skip=True)
-        self._meter, self._last, self._beat = Meter(), {}, time.monotonic()
+        self._meter, self._last = Meter(), {}
+        self._seen = self._beat = time.monotonic()
 
     def supervise(self, argv: list[str], threads: int = 1) -> None:
         """Run the engine to its end. Raises Diverged, RunError or Interrupted; the engine never outlives this call."""
@@ -83,6 +86,8 @@ class Supervisor:
         try:
             while (code := engine.wait(POLL_S)) is None:
                 self.look()
+                self._check_disk()
+                self._check_stall()
                 self._show()
                 if self.stop.signal and not asked:
                     asked = True
@@ -109,6 +114,7 @@ class Supervisor:
                 self.state_step, self._last = int(row["step"]), row
             if rows:
                 self._meter.add(self.state_step)
+                self._seen = time.monotonic()
         except Diverged as error:
             diverged = error
         try:
@@ -122,6 +128,16 @@ class Supervisor:
             self._certify()
         if diverged:
             raise diverged
+
+    def _check_disk(self) -> None:
+        disk = os.statvfs(self.folder)
+        if disk.f_bavail * disk.f_frsize < FREE_BYTES:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def _check_stall(self) -> None:
+        silent = time.monotonic() - self._seen
+        if silent > STALL_S:
+            raise RunError(f"the engine has written nothing for {duration(silent)}; it hangs, or runs far too slowly")
 
     def _has_output_to(self, step: int) -> bool:
         return min(self.row_step or 0, self.state_step or 0) >= step
@@ -191,12 +207,11 @@ class Supervisor:
         if self.stop.signal or code == STOPPED:
             self.stop.signal = self.stop.signal or signal.SIGTERM
             raise Interrupted
+        self._check_disk()
         output = engine.last_output()
-        errors = re.findall(
-            r"ERROR.*", output
-        )  # not always at the start of a line: LIGGGHTS' table may stand before it
-        if os.statvfs(self.folder).f_bavail == 0 or any(os.strerror(number) in output for number in DISK_FULL):
+        if code == -signal.SIGXFSZ or any(os.strerror(number) in output for number in DISK_FULL):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        errors = re.findall(r"ERROR.*", output)  # LIGGGHTS' table may stand before it on its line
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         raise RunError(
             errors[-1] if errors else f"the engine {how}; read {self.stage}.log in the folder log of the run"
