@@ -73,9 +73,7 @@ void FixLoadControl::init() {
     window_next_ = 0;
     window_full_ = false;
   }
-}
-
-void FixLoadControl::setup(int) {
+  // Before the forces of the run's set-up, whose dashpots need the wall's velocity: a resumed run must compute the same ones.
   CustomValueTracker &properties = wall_->triMesh()->prop();
   if (!properties.getElementProperty<NodeVelocities>("v"))
     properties.addElementProperty<NodeVelocities>("v", "comm_exchange_borders", "frame_invariant", "restart_no");

@@ -27,7 +27,6 @@ class FixLoadControl : public Fix {
   void pre_delete(bool) override;
   int setmask() override;
   void init() override;
-  void setup(int) override;
   void initial_integrate(int) override;
   void final_integrate() override;
   double compute_vector(int) override;
