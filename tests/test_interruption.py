@@ -66,6 +66,23 @@ def test_killed_at_random_moments_it_gives_the_same_files(scenario, code, undist
     assert_no_gap(folder, 3)
 
 
+def test_going_on_from_a_checkpoint_gives_the_same_files(scenario, code, undisturbed, begin, tmp_path):
+    """The last cycle once more, from the checkpoint before it: here no kill's moment decides what is seen."""
+    expected = undisturbed(scenario, code)
+    folder, arguments = begin(tmp_path, scenario, code)
+    shutil.rmtree(folder)
+    shutil.copytree(expected, folder)
+    for path in (*folder.glob("checkpoints/cyclic_000003*"), folder / "raw" / "bed_cycle_000003.csv"):
+        path.unlink()
+    cycles = (folder / "cycles.csv").read_text().splitlines(keepends=True)
+    (folder / "cycles.csv").write_text("".join(cycles[:-1]))
+    done = drive(REAL, *arguments)
+    assert done.returncode == 0, done.stderr
+    assert latest(folder).cycle == 3
+    assert results_of(folder) == results_of(expected)
+    assert_no_gap(folder, 3)
+
+
 def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(code, undisturbed, begin, tmp_path):
     expected = undisturbed("linear-mu0.8", code)
     folder, arguments = begin(tmp_path, "linear-mu0.8", code)
