@@ -271,14 +271,21 @@ class Run:
         if self.options.bed:
             return record.relative(self.options.bed)
         name = self.scenario["packing.bed_from"]
-        return f"../../{name}/{self.folder.name}/raw/bed_packed.csv" if name else "own"
+        if not name:
+            return "own"
+        folder = run_folder(Path("."), "", name, self._bed_code(), self.options.seed)
+        return f"../../{folder}/raw/bed_packed.csv"
+
+    def _bed_code(self) -> str:
+        """The code that packs the bed that packing.bed_from names."""
+        return self.scenario["packing.bed_code"] or self.code
 
     def _make_bed(self) -> None:
         """Pack, or take the bed that the command or packing.bed_from names."""
         if self.options.bed:
             self._take_bed(self.options.bed)
         elif name := self.scenario["packing.bed_from"]:
-            options = argparse.Namespace(**vars(self.options) | {"cycles": None})
+            options = argparse.Namespace(**vars(self.options) | {"cycles": None, "code": self._bed_code()})
             source = Run(load_scenario(name, options.profile, options.scenarios), options, self.stop)
             source.pack()
             self._take_bed(source.bed_file)

@@ -276,8 +276,10 @@ def _check_together(path: Path, s: Scenario) -> None:
 
 def _check_bed(path: Path, content: dict, s: Scenario) -> None:
     """Refuse a bed that another scenario cannot give: unknown, borrowed itself, or of other clumps in another box."""
-    bed = s["packing.bed_from"]
+    bed, code = s["packing.bed_from"], s["packing.bed_code"]
     if not bed:
+        if code:
+            raise _refuse(path, f"scenario.{s.name}: packing.bed_code", code, "empty where packing.bed_from is empty")
         return
 
     def refuse(allowed: str) -> ScenarioError:

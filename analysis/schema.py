@@ -27,7 +27,7 @@ class Key:
     def allowed(self) -> str:
         """Say in words what the key may hold."""
         if self.choices:
-            return "one of " + ", ".join(map(str, self.choices))
+            return "one of " + ", ".join(str(choice) or '""' for choice in self.choices)
         name = {float: "a number", int: "a whole number", str: "a text",
                 list: f"a list of {'whole ' if self.item is int else ''}numbers"}[self.kind]
         limits = []
@@ -84,6 +84,7 @@ KEYS: dict[str, Key] = {
     "clump.aspect": Key("-", float, 1, 2, open_minimum=True),
     "clump.density": _positive("kg/m3", 25000),
     "packing.bed_from": Key("-", str),
+    "packing.bed_code": Key("-", str, choices=("", "yade", "liggghts")),
     "packing.lattice_radius": _positive("m", 1),
     "packing.growth": Key("-", float, 1, 5),
     "packing.lattice_gap": _from_zero("m", 1),

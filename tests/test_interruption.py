@@ -101,7 +101,8 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(code, undistur
 
 
 def test_ctrl_c_leaves_a_checkpoint_that_the_run_goes_on_from(code, begin, tmp_path):
-    folder, arguments = begin(tmp_path, "linear-mu0.8", code)
+    cycles = 12  # seconds on any machine, so that the signal comes before the end
+    folder, arguments = begin(tmp_path, "linear-mu0.8", code, cycles)
     process = start(REAL, *arguments)
     wait_for(folder / "raw" / "cyclic.csv", process)
     process.send_signal(signal.SIGINT)
@@ -112,11 +113,11 @@ def test_ctrl_c_leaves_a_checkpoint_that_the_run_goes_on_from(code, begin, tmp_p
     assert 0 < stopped_at.step(grid_of(folder)) == steps(folder / "raw" / "cyclic.csv")[-1]
     assert drive(REAL, *arguments).returncode == 0
     assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
-    assert_no_gap(folder, 3)
+    assert_no_gap(folder, cycles)
 
 
 def test_the_engine_dies_with_a_killed_driver(code, begin, tmp_path):
-    folder, arguments = begin(tmp_path, "linear-mu0.8", code)
+    folder, arguments = begin(tmp_path, "linear-mu0.8", code, cycles=12)
     process = start(REAL, *arguments)
     wait_for(folder / "raw" / "cyclic.csv", process)
     assert engines_of(folder)
@@ -139,7 +140,8 @@ def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, prelo
 
 def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     """Not bit for bit like one rank, so the first cycle is compared and the record says so."""
-    folder, arguments = begin(tmp_path, "linear-mu0.8", "liggghts")
+    cycles = 12
+    folder, arguments = begin(tmp_path, "linear-mu0.8", "liggghts", cycles)
     process = start(REAL, *arguments, "--ranks", 2)
     wait_for(folder / "raw" / "cyclic.csv", process)
     process.send_signal(signal.SIGTERM)
@@ -150,7 +152,7 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     assert done.returncode == 0, done.stderr
     body = record.read(folder)
     assert body["ranks"] == 2 and any("differ in their last digits" in sentence for sentence in body["deviations"])
-    assert_no_gap(folder, 3)
+    assert_no_gap(folder, cycles)
     one, two = (
         float((f / "cycles.csv").read_text().splitlines()[1].split(",")[2])
         for f in (undisturbed("linear-mu0.8", "liggghts"), folder)
@@ -158,7 +160,7 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     assert two == pytest.approx(one, rel=1e-2)
 
     process = start(
-        REAL, *arguments[:3], "--cycles", 9, *arguments[5:], "--ranks", 2
+        REAL, *arguments[:3], "--cycles", 3 * cycles, *arguments[5:], "--ranks", 2
     )  # and killed, its ranks die as well
     wait_until(lambda: len(engines_of(folder)) >= 2 or process.poll() is not None, "no ranks", seconds=60)
     process.kill()
