@@ -19,6 +19,7 @@ values of a parameter that some choice of the others makes likely enough; they n
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -285,7 +286,13 @@ def choose(n: Sequence[float], s: Sequence[float], level: float = 0.95) -> Choic
         )
     if np.ptp(s) == 0:
         return Choice(None, reason="the settlement does not change")
-    fits = {}
+    return _chosen(tuple(n), tuple(s), level)
+
+
+@functools.lru_cache(256)
+def _chosen(n: tuple[float, ...], s: tuple[float, ...], level: float) -> Choice:
+    """Cached, because several tables and claims ask for the same curve and the fits take their time."""
+    n, s, fits = np.array(n), np.array(s), {}
     for law in CHOICES:
         kinds = [fit(law, n, s, scatter, level) for scatter in ("constant", "proportional")]
         fits[law] = min(kinds, key=lambda f: f.bic)

@@ -254,7 +254,13 @@ def save(c: Canvas, folder: Path, stamp: str) -> Panel:
     )
     hover = _hover(c, height)
     with matplotlib.rc_context({"svg.hashsalt": c.name}):
-        c.figure.savefig(folder / f"{c.name}.png", dpi=160, facecolor="white", metadata={"Software": None})
+        c.figure.savefig(
+            folder / f"{c.name}.png",
+            dpi=160,
+            facecolor="white",
+            metadata={"Software": None},
+            pil_kwargs={"compress_level": 3},  # a tenth larger, in a third of the time
+        )
         buffer = io.StringIO()
         FigureCanvasSVG(c.figure).print_svg(
             buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
