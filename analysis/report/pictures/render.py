@@ -126,8 +126,8 @@ def _shade(depth, owner, column, row, radius, colours, groups):
         return np.zeros((*depth.shape, 4), np.float32)
     at = np.nonzero(solid)
     index = owner[at]
-    nx = (at[1].astype(np.float32) - column[index]) / np.float32(radius)
-    ny = (row[index] - at[0].astype(np.float32)) / np.float32(radius)
+    nx = (at[1] - column[index]).astype(np.float32) / np.float32(radius)
+    ny = (row[index] - at[0]).astype(np.float32) / np.float32(radius)
     nz = np.sqrt(np.clip(1 - nx**2 - ny**2, 0, 1))
     light = (LIGHT / np.linalg.norm(LIGHT)).astype(np.float32)
     half = light + np.array([0, 0, 1], np.float32)
