@@ -5,17 +5,17 @@ from __future__ import annotations
 import importlib
 import sys
 
-COMMANDS = {
-    "run": "simulate one scenario in one code, or go on with it",
-    "status": "list all runs",
-    "report": "rebuild the report from the runs that exist",
-    "verify": "contact laws and clumps of both codes against closed forms",
-    "impact": "any impact of two bodies in both codes",
-    "mutations": "wrong laws that the verification must notice",
-    "reference": "the reference curves and their state",
-    "view": "pictures of a bed, and files for ParaView",
-    "calibrate": "tune the lattice gap to the paper's number of clumps",
-    "bench": "steps per second of both codes",
+COMMANDS = {  # name: module, purpose
+    "run": ("driver.run", "simulate one scenario in one code, or go on with it"),
+    "status": ("driver.status", "list all runs"),
+    "report": ("report.build", "rebuild the report from the runs that exist"),
+    "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),
+    "impact": ("verification.impact", "any impact of two bodies in both codes"),
+    "mutations": ("verification.mutations", "wrong laws that the verification must notice"),
+    "reference": ("reference.check", "the reference curves and their state"),
+    "view": ("report.pictures.view", "pictures of a bed, and files for ParaView"),
+    "calibrate": ("driver.calibrate", "tune the lattice gap to the paper's number of clumps"),
+    "bench": ("driver.bench", "steps per second of both codes"),
 }
 
 
@@ -25,11 +25,12 @@ def main(argv: list[str]) -> int:
         unknown = argv and argv[0] not in ("-h", "--help")
         print(
             "usage: python -m analysis COMMAND ... (each has --help)\n\n"
-            + "\n".join(f"  {name:10} {purpose}" for name, purpose in COMMANDS.items()),
+            + "\n".join(f"  {name:10} {purpose}" for name, (_, purpose) in COMMANDS.items()),
             file=sys.stderr if unknown else sys.stdout,
         )
         return 2 if unknown else 0
-    return importlib.import_module(f".{argv[0]}", "analysis").main(argv[1:]) or 0
+    module, _ = COMMANDS[argv[0]]
+    return importlib.import_module(f"analysis.{module}").main(argv[1:]) or 0
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import pytest
 from driver import REAL, copy_run, drive, run_folder, start
 from small_bed import write_scenarios
 
-from analysis.engines import CODES
+from analysis.driver.engines import CODES
 
 CYCLES = 3
 SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")

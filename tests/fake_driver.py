@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from analysis import run
+from analysis.driver import run
 
 FAKE = Path(__file__).resolve().parent / "fake_engine.py"
 

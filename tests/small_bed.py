@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from analysis.scenario import SCENARIO_FILE
+from analysis.scenarios.scenario import SCENARIO_FILE
 
 CHANGES = {
     "ball_radius": "0.037",

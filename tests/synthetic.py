@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis import derived, tables
-from analysis.lattice import lattice_bed
-from analysis.scenario import load_scenario
+from analysis.normalised import tables
+from analysis.scenarios import derived
+from analysis.scenarios.lattice import lattice_bed
+from analysis.scenarios.scenario import load_scenario
 
 LAWS = {
     "exponential": lambda n, a, b, c, d: a + b * (1 - np.exp(-n / c)) + d * n,

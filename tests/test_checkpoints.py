@@ -5,8 +5,10 @@ import random
 import pytest
 from driver import damage
 
-from analysis import checkpoints, derived, locks, rawfiles
-from analysis.scenario import load_scenario
+from analysis.driver import checkpoints, locks, rawfiles
+from analysis.files import GrowingCsv
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 GRID = derived.time_grid(load_scenario("linear-mu0.8", "demo"))
 
@@ -121,7 +123,7 @@ def test_rows_of_other_stages_stay(tmp_path):
 
 def test_a_row_is_read_once_and_only_when_its_line_has_ended(tmp_path):
     path = tmp_path / "state.csv"
-    tail = rawfiles.Tail(path)
+    tail = GrowingCsv(path)
     assert tail.new_rows() == []
     path.write_text("step,x\n1,2\n3,")
     assert tail.new_rows() == [{"step": "1", "x": "2"}]

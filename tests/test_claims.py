@@ -8,13 +8,18 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-
-from analysis import claims, derived, load_runs
-from analysis.claims import FAILS, HOLDS, OPEN, ClaimError, evaluate_claims, load_claims, to_frame
-from analysis.reference import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
-from analysis.scenario import load_scenario, scenario_names
-from analysis.uncertainty import Estimate, pooled, propagate
 from synthetic import write_run
+
+from analysis import load_runs
+from analysis.comparison import claims
+from analysis.comparison.claimed_quantities import profile_error, seconds_per_cycle, slope
+from analysis.comparison.claims import ClaimError, evaluate_claims, load_claims, to_frame
+from analysis.comparison.evidence import FAILS, HOLDS, OPEN, Evidence
+from analysis.comparison.restitution import restitution_table
+from analysis.comparison.uncertainty import Estimate, pooled, propagate
+from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario, scenario_names
 
 CLAIMS_FILE = REFERENCE_FOLDER / "claims.toml"
 DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])      # plates 1 (bottom) to 5
@@ -123,7 +128,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
     found, rules = load_claims()
     for claim in found:
         watched = Watched(claim.thresholds)
-        evidence = claims.Evidence(everything, experiment(), rules, claim)
+        evidence = Evidence(everything, experiment(), rules, claim)
         checks = list(claims.CHECKS[claim.id](evidence, watched))
         assert watched.asked == set(claim.thresholds), claim.id
         assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in checks), claim.id
@@ -320,19 +325,19 @@ def test_the_profile_error_of_a_profile_with_itself_is_zero_and_of_twice_it_abou
     curve = experiment().curve("lateral_displacement", cycle=100)
     same = make_run("linear-mu0.8", scatter=0)
     twice = make_run("linear-mu0.8", lateral=10e-3, scatter=0)
-    assert claims.profile_error(same, curve, 100) == pytest.approx(0, abs=1e-9)
-    assert claims.profile_error(twice, curve, 100) == pytest.approx(np.sqrt(np.mean(SHAPE**2)) / SHAPE.mean())
+    assert profile_error(same, curve, 100) == pytest.approx(0, abs=1e-9)
+    assert profile_error(twice, curve, 100) == pytest.approx(np.sqrt(np.mean(SHAPE**2)) / SHAPE.mean())
 
 
 def test_the_late_slope_is_that_of_the_line():
     run = make_run("linear-mu0.8", scatter=0)
-    assert claims.slope(run.cycles["cycle"], 1e-3 + 4e-6 * run.cycles["cycle"], 500, 1000) == pytest.approx(4e-6)
-    assert math.isnan(claims.slope([1, 2, 600], [0, 0, 0], 500, 1000))
+    assert slope(run.cycles["cycle"], 1e-3 + 4e-6 * run.cycles["cycle"], 500, 1000) == pytest.approx(4e-6)
+    assert math.isnan(slope([1, 2, 600], [0, 0, 0], 500, 1000))
 
 
 def test_computing_time_is_steps_per_cycle_over_steps_per_second():
     run = make_run("nonlinear-en1.0", speed=400.0)
-    assert claims.seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 400
+    assert seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 400
 
 
 def test_scatter_is_pooled_over_scenarios_and_shared_by_those_with_one_seed():
@@ -361,7 +366,7 @@ def test_an_absolute_value_at_its_kink_is_as_uncertain_as_its_argument():
 # ------------------------------------------------------------------ eq. 16
 
 def test_all_damping_modes_are_the_same_undamped_law_at_restitution_one():
-    table = claims.restitution_table()
+    table = restitution_table()
     at_one = table[table["nominal_restitution"] == 1]
     assert list(at_one["damping_factor"]) == [0, 0, 0] and list(at_one["effective_restitution"]) == [1, 1, 1]
 
@@ -372,11 +377,6 @@ def test_all_damping_modes_are_the_same_undamped_law_at_restitution_one():
     (2, [0.1787, 0.3267, 0.5769, 0.8959, 1]),
 ])
 def test_effective_restitution_is_as_published(mode, expected):
-    table = claims.restitution_table()
+    table = restitution_table()
     found = table.loc[table["damping_mode"] == mode, "effective_restitution"].to_numpy()
     assert found == pytest.approx(expected, abs=5e-5, nan_ok=True)
-
-
-def test_the_consequences_of_equation_16_name_their_numbers():
-    text = " ".join(claims.equation_16_consequences())
-    assert "0.663 for M_d = 1 and 0.179 for M_d = 2" in text

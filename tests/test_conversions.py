@@ -6,10 +6,12 @@ import subprocess
 
 import pytest
 
-from analysis import conversions, derived, engines
-from analysis.conversions import CONVERSIONS, PP, PW
-from analysis.probes import ClumpAt, Probe, run_probes, with_values
-from analysis.scenario import load_scenario
+from analysis.driver import engines
+from analysis.files import ROOT
+from analysis.scenarios import conversions, derived
+from analysis.scenarios.conversions import CONVERSIONS, PP, PW
+from analysis.scenarios.scenario import load_scenario
+from analysis.verification.probes import ClumpAt, Probe, run_probes, with_values
 
 # every conversion is met by at least one of these; walls and particles differ in each value
 SCENARIOS = {
@@ -60,7 +62,7 @@ def liggghts_values(tmp_path_factory):
         (folder / "parameters.in").write_text(engines.liggghts_parameters(scenario, 1))
         engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in PAIR])
         out = subprocess.run([engines.HOST, "-in", "liggghts/verify_values.in", "-log", "none", "-var", "run", folder],
-                             cwd=engines.ROOT, capture_output=True, text=True, check=True).stdout
+                             cwd=ROOT, capture_output=True, text=True, check=True).stdout
         lines = [line.split() for line in out.splitlines() if line.startswith("VALUE ")]
         found[name] = {key: float(value) for _, key, value in lines}
     return found

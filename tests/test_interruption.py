@@ -29,8 +29,9 @@ from driver import (
 )
 from small_bed import write_scenarios
 
-from analysis import derived, record, status
-from analysis.scenario import Scenario
+from analysis.driver import record, status
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
 
 
 def grid_of(folder):

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis import laws, oracle
+from analysis import laws
+from analysis.verification import oracle
 
 # the sources of eq. 16: restitution that comes out, by damping mode and nominal restitution
 RESTITUTION_OUT = {0: {0.3: 0.3042, 0.6: 0.5773, 0.9: 0.8764, 1.0: 1.0},

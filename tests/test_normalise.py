@@ -9,10 +9,12 @@ import pandas as pd
 import pytest
 from synthetic import DEFAULT_LAW, LATERAL_PROFILE, STROKE_M, settlement, write_raw
 
-from analysis import derived, microstructure, porosity, tables
-from analysis.normalise import NormaliseError, Normaliser
-from analysis.rawtail import GrowingCsv
-from analysis.scenario import Scenario
+from analysis import files
+from analysis.files import GrowingTable
+from analysis.normalised import microstructure, porosity, tables
+from analysis.normalised.normalise import NormaliseError, Normaliser
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
 
 CYCLES = 4
 FEW_POINTS = 3000  # of the porosity's point set: enough for what is tested here
@@ -153,7 +155,7 @@ class Killed(BaseException):
 @pytest.fixture
 def kill_at(monkeypatch):
     """Make the k-th change of a file stop half way, as a kill would."""
-    append, aside, unlink = tables.CycleTable.append, tables.write_aside, type(Path()).unlink
+    append, aside, unlink = tables.CycleTable.append, files.write_aside, type(Path()).unlink
 
     def arm(k):
         left = [k]
@@ -184,7 +186,7 @@ def kill_at(monkeypatch):
             unlink(self, missing_ok=missing_ok)
 
         monkeypatch.setattr(tables.CycleTable, "append", killed_append)
-        monkeypatch.setattr(tables, "write_aside", killed_aside)
+        monkeypatch.setattr(files, "write_aside", killed_aside)
         monkeypatch.setattr(type(Path()), "unlink", killed_unlink)
         return left
 
@@ -283,17 +285,17 @@ def test_ready_only_when_everything_is_there(run):
 
 def test_growing_file_is_read_in_pieces(tmp_path):
     path = tmp_path / "x.csv"
-    table = GrowingCsv(path, ("step", "v"))
+    table = GrowingTable(path, ("step", "v"))
     assert table.update() == {}
     text = "v,step\n1,0\n2,10\n3,20\n"
     for k in range(len(text) + 1):
         path.write_text(text[:k])
         table.update()
-    assert table.rows == {0: ["0", "1"], 10: ["10", "2"], 20: ["20", "3"]}
+    assert table.rows == {n: {"step": str(n), "v": v} for n, v in ((0, "1"), (10, "2"), (20, "3"))}
     table.drop_until(10, but=0)
     assert sorted(table.rows) == [0, 20]
     path.write_text("step,v\n0,9\n")
-    assert table.update() == {0: ["0", "9"]}  # the file was replaced by a shorter one
+    assert table.update() == {0: {"step": "0", "v": "9"}}  # the file was replaced by a shorter one
 
 
 # ------------------------------------------------------------------ damage gives one clear line
@@ -392,7 +394,7 @@ def test_contacts_of_a_cubic_lattice():
 
 
 def scenario_from_values():
-    from analysis.scenario import load_scenario
+    from analysis.scenarios.scenario import load_scenario
 
     return load_scenario("linear-mu0.8")
 

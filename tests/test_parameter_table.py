@@ -2,13 +2,14 @@
 
 import pytest
 
-from analysis import parameter_table
-from analysis.scenario import base_parameters, load_scenario, scenario_names
+from analysis.scenarios import parameter_table
+from analysis.scenarios.scenario import base_parameters, load_scenario, scenario_names
 
 
 def test_the_committed_table_is_up_to_date():
     committed = parameter_table.PARAMETER_FILE.read_text()
-    assert committed == parameter_table.render(), "run python -m analysis.parameter_table and commit PARAMETERS.md"
+    remedy = "run python -m analysis.scenarios.parameter_table and commit PARAMETERS.md"
+    assert committed == parameter_table.render(), remedy
 
 
 def test_the_table_holds_every_parameter_once_with_its_source():

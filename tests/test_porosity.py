@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import beds, derived, porosity, tables
-from analysis.scenario import load_scenario
+from analysis.normalised import beds, porosity, tables
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 CUBIC = 1 - math.pi / 6  # 0.4764
 HEXAGONAL = 1 - math.pi / (3 * math.sqrt(2))  # 0.2595

@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, settlement, write_run
 
-from analysis import compare, derived, load_runs, quantities
-from analysis.reference import References
+from analysis import load_runs
+from analysis.comparison import compare, quantities
+from analysis.reference.curves import References
+from analysis.scenarios import derived
 
 CYCLES = 120
 

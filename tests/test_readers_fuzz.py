@@ -12,9 +12,10 @@ import pandas as pd
 import pytest
 from synthetic import write_run
 
-import analysis.readers
-from analysis import load_runs, quantities, tables
-from analysis.readers import Run, read_table
+from analysis import load_runs
+from analysis.comparison import quantities
+from analysis.normalised import readers, tables
+from analysis.normalised.readers import Run, read_table
 
 CASES = 240
 TABLES = {"cycles.csv": tables.CYCLES, "history.csv": tables.HISTORY, "microstructure.csv": tables.MICROSTRUCTURE}
@@ -387,7 +388,7 @@ def test_the_library_example(tmp_path, monkeypatch):
     for code, law in (("liggghts", {}), ("yade", {"law": ("logarithm", {"a": 2e-3, "b": 1.2e-3})})):
         write_run(tmp_path / "results", "demo", "linear-mu0.8", code, cycles=20, **law)
     monkeypatch.chdir(tmp_path)
-    tests = [t for t in doctest.DocTestFinder().find(analysis.readers.load_runs, "load_runs", globs={}) if t.examples]
+    tests = [t for t in doctest.DocTestFinder().find(readers.load_runs, "load_runs", globs={}) if t.examples]
     assert len(tests) == 1
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     said = []
@@ -395,13 +396,13 @@ def test_the_library_example(tmp_path, monkeypatch):
 
 
 def test_importing_analysis_needs_no_pandas():
-    """YADE's Python imports analysis.scenario and has no pandas."""
+    """YADE's Python imports analysis.scenarios and has no pandas."""
     import subprocess
     import sys
 
     code = (
         "import sys; sys.modules['pandas'] = sys.modules['scipy'] = None\n"
-        "import analysis, analysis.scenario, analysis.tables\n"
+        "import analysis, analysis.scenarios.scenario, analysis.normalised.tables\n"
         "try: analysis.load_runs\nexcept ImportError: print('late')\n"
         "try: analysis.nothing\nexcept AttributeError as e: print(e)"
     )

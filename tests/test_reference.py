@@ -8,12 +8,19 @@ import tomllib
 
 import numpy as np
 import pytest
-
-from analysis import compare, figures, load_runs, reference, webplotdigitizer
-from analysis.claims import evaluate_claims
-from analysis.reference import REFERENCE_FOLDER, load_references, settlement_laws
-from analysis.scenario import scenario_names
 from synthetic import write_run
+
+from analysis import load_runs
+from analysis.comparison import compare
+from analysis.comparison.claims import evaluate_claims
+from analysis.reference import check, webplotdigitizer
+from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
+from analysis.reference.settlement_laws import settlement_laws
+from analysis.report.figures.gallery import Gallery
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.porosity import porosity_figure
+from analysis.report.figures.settlement import settlement_figure
+from analysis.scenarios.scenario import scenario_names
 
 CYCLES = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000.0])
 SETTLEMENT_MM = 2 + 8 * (1 - np.exp(-CYCLES / 20)) + 0.003 * CYCLES
@@ -141,7 +148,7 @@ def test_the_answers_shown_in_the_guide_are_accepted(folder):
 
 
 def test_make_reference_lists_what_is_pending_and_succeeds(capsys):
-    assert reference.main([]) == 0
+    assert check.main([]) == 0
     out = capsys.readouterr().out
     assert re.search(r"indraratna2013/settlement\.toml +1 pending", out)
     assert re.search(r"Curves: \d+ there, \d+ pending", out)
@@ -237,13 +244,13 @@ def test_numbers_from_a_table_are_listed_as_transcribed(folder, capsys):
     source = folder / "indraratna2013"
     single_csv(source / "s.csv", settlement_points())
     fill(source / "settlement.toml", ["s.csv"], status="transcribed")
-    assert reference.main(["--folder", str(folder)]) == 0
+    assert check.main(["--folder", str(folder)]) == 0
     assert re.search(r"indraratna2013/settlement\.toml +1 transcribed", capsys.readouterr().out)
 
 
 def drop_everything(folder):
     """Made-up curves for every sidecar, in all formats; settlements end at 13 mm, profiles grow with cycles."""
-    for sidecar in reference.sidecars(folder):
+    for sidecar in sidecars(folder):
         names = [(c["dataset"], c.get("cycle", 0)) for c in tomllib.loads(sidecar.read_text())["curves"]]
         stem, share = sidecar.stem, np.array([0.0, 10, 100, 1000]) / 1000
         if "porosity" in stem:
@@ -269,17 +276,17 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
     references = load_references(folder)
     assert references.problems == [] and references.pending.empty
     assert references.curves.groupby(["sidecar", "curve"]).ngroups == 70
-    assert reference.main(["--folder", str(folder)]) == 0
+    assert check.main(["--folder", str(folder)]) == 0
     assert "Curves: 70 there, 0 pending" in capsys.readouterr().out
 
     write_run(tmp_path / "results", "demo", "linear-mu0.8", cycles=5, contacts=False)
     runs = load_runs(tmp_path / "results", quiet=True)
-    gallery = figures.Gallery(tmp_path / "figures", "test", runs, references, scenario_names())
-    for draw in (figures.settlement, figures.lateral, figures.porosity):
+    gallery = Gallery(tmp_path / "figures", "test", runs, references, scenario_names())
+    for draw in (settlement_figure, lateral_figure, porosity_figure):
         drawn = draw(gallery, runs, draw.__name__, "title", "caption")
         assert drawn.pending == []
         text = "".join((tmp_path / "figures" / f"{panel.name}.svg").read_text() for panel in drawn.panels)
-        if draw is not figures.porosity:
+        if draw is not porosity_figure:
             assert "experiment" in text and "Chen 2015" in text
         assert "paper " in text and "pending" not in text
 
@@ -301,7 +308,7 @@ def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
     assert set(references.curves["source"]) == {"indraratna2013"}
     problem, = references.problems
     assert problem.startswith("chen2015/settlement.toml: is not valid TOML")
-    assert reference.main(["--folder", str(folder)]) == 1
+    assert check.main(["--folder", str(folder)]) == 1
     assert "ERROR: chen2015/settlement.toml" in capsys.readouterr().err
 
 
@@ -444,7 +451,7 @@ def test_a_bad_settlement_law_is_refused_in_one_line(folder, capsys, old, new, w
     path = folder / "settlement_laws" / "laws.toml"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
-    assert reference.main(["--folder", str(folder)]) == 1
+    assert check.main(["--folder", str(folder)]) == 1
     error = capsys.readouterr().err
     assert words in error and error.count("\n") == 1
 

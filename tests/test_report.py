@@ -14,11 +14,16 @@ import pandas as pd
 import pytest
 from synthetic import write_run
 
-from analysis import beds, derived, render, report, style, view
-from analysis.report_book import is_variant
-from analysis.report_comparison import same_bed_table
-from analysis.report_words import number
-from analysis.scenario import load_scenario
+from analysis.normalised import beds
+from analysis.report import build as report
+from analysis.report import style
+from analysis.report.book import is_variant
+from analysis.report.pages.comparison import same_bed_table
+from analysis.report.pictures import render, view
+from analysis.report.pictures.scene import load_scene
+from analysis.report.words import number
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 PAGES = [file for file, *_ in report.PAGES]
 VOID = {"meta", "link", "br", "img", "input", "hr", "line", "rect", "circle", "path", "use", "image", "polygon"}
@@ -401,7 +406,7 @@ def test_camera_axes_are_orthonormal_and_up_is_up(azimuth, elevation):
 
 def test_scene_puts_sleeper_and_plates_where_they_stand(tmp_path):
     folder = write_run(tmp_path, "demo", "linear-mu0.8", "yade", cycles=3)
-    before, after = (view.load_scene(folder, label) for label in ("before", "after"))
+    before, after = (load_scene(folder, label) for label in ("before", "after"))
     last = pd.read_csv(folder / "cycles.csv").iloc[-1]
     assert before.sleeper.low[2] - after.sleeper.low[2] == pytest.approx(last["settlement_m"])
     assert after.plates[2].low[0] - before.plates[2].low[0] == pytest.approx(last["lateral_3_m"])
@@ -425,7 +430,7 @@ def test_view_writes_pictures_and_files_for_paraview(tmp_path, capsys):
     arrays = {a.get("Name"): a for a in root.iter("DataArray")}
     content = base64.b64decode(arrays["Points"].text)
     assert struct.unpack("<Q", content[:8])[0] == len(content) - 8
-    scene = view.load_scene(folder, "after")
+    scene = load_scene(folder, "after")
     expected = beds.sphere_centres(scene.bed, derived.clump(scene.scenario).half_distance_m)
     assert np.array_equal(np.frombuffer(content[8:], "<f8").reshape(-1, 3), expected)
     assert int(root.find("PolyData/Piece").get("NumberOfPoints")) == len(expected)

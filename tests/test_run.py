@@ -24,9 +24,10 @@ from driver import (
 )
 from small_bed import set_value
 
-from analysis import derived, record
-from analysis.engines import BED_HEADER
-from analysis.scenario import load_scenario
+from analysis.driver import record
+from analysis.normalised import tables
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 CYCLES = 4
 LINEAR = ("linear-mu0.8", "--code", "yade", "--cycles", CYCLES)
@@ -204,7 +205,7 @@ def test_another_bed_is_refused(finished, undisturbed):
     assert done.returncode == 1 and "bed: own -> bed_packed.csv" in done.stderr
 
 
-HEADER = ",".join(BED_HEADER)
+HEADER = ",".join(tables.BED)
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import derived
-from analysis.lattice import lattice_bed
-from analysis.scenario import (SCENARIO_FILE, Scenario, ScenarioError, load_scenario, profile_names, scenario_names)
-from analysis.schema import KEYS, PROFILE_KEYS, STATUSES
+from analysis.scenarios import derived
+from analysis.scenarios.lattice import lattice_bed, site_count
+from analysis.scenarios.scenario import (
+    SCENARIO_FILE,
+    Scenario,
+    ScenarioError,
+    load_scenario,
+    profile_names,
+    scenario_names,
+)
+from analysis.scenarios.schema import KEYS, PROFILE_KEYS, STATUSES
 
 PAPER_SCENARIOS = [
     "linear-mu0.7", "linear-mu0.8", "linear-mu0.9", "nonlinear-en1.0",
@@ -160,7 +167,7 @@ def test_a_scenario_survives_its_json_form():
 
 
 def test_the_loader_needs_the_standard_library_only():
-    code = ("import sys; sys.path.insert(0, '.'); from analysis import derived, lattice, scenario; "
+    code = ("import sys; sys.path.insert(0, '.'); from analysis.scenarios import derived, lattice, scenario; "
             "lattice.lattice_bed(scenario.load_scenario('linear-mu0.8', 'demo'), 1)")
     # -S leaves out site-packages
     done = subprocess.run([sys.executable, "-S", "-c", code], cwd=SCENARIO_FILE.parent, capture_output=True, text=True)
@@ -473,7 +480,9 @@ def test_the_demo_slice_narrows_box_sleeper_plates_and_control_in_one_ratio():
 
 
 def test_the_demo_slice_holds_a_few_hundred_clumps():
-    assert 200 < len(lattice_bed(load_scenario("linear-mu0.8", "demo"), 1)) < 1000
+    s = load_scenario("linear-mu0.8", "demo")
+    assert 200 < len(lattice_bed(s, 1)) < 1000
+    assert site_count(s) == len(lattice_bed(s, 1))
 
 
 def test_lattice_clumps_lie_inside_the_box_clear_of_the_sleeper_and_depend_on_the_seed_only():

@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from analysis import settlement
-from analysis.settlement import choose, evaluate, fit
+from analysis.comparison import settlement
+from analysis.comparison.settlement import choose, evaluate, fit
 
 CYCLES = np.arange(1, 1001)
 CURVES = 100

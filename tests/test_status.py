@@ -4,9 +4,10 @@ import json
 
 from driver import run_folder
 
-from analysis import derived, record, status
-from analysis.locks import hold
-from analysis.scenario import load_scenario
+from analysis.driver import record, status
+from analysis.driver.locks import hold
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 SCENARIO = load_scenario("nonlinear-en1.0", "demo")
 

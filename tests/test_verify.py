@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import engines, impact, mutations, probes, verify, verify_impacts, verify_paths
-from analysis.scenario import ScenarioError, load_scenario
-from analysis.verify_sheet import Sheet, write_rows
+from analysis.driver import engines
+from analysis.scenarios.scenario import ScenarioError, load_scenario
+from analysis.verification import impact, mutations, probes, verify
+from analysis.verification.cases import impacts, paths
+from analysis.verification.sheet import Sheet, write_rows
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -137,8 +139,8 @@ def test_missing_impact_file(tmp_path, capsys):
 def test_head_on_measures_of_a_known_motion():
     """`measure` on a half sine: peak, duration between the crossings, restitution."""
     scenario = load_scenario("linear-mu0.8")
-    law = verify_impacts.wall_law(scenario, 0.07)
-    probe = verify_impacts.against_wall("known", scenario, law, 0.015, 0.07, 1.0, "linear")
+    law = impacts.wall_law(scenario, 0.07)
+    probe = impacts.against_wall("known", scenario, law, 0.015, 0.07, 1.0, "linear")
     time = np.arange(probe.steps + 1) * probe.step
     omega = math.sqrt(law.normal_stiffness / law.mass)
     touch, leave = 20.4 * probe.step, 20.4 * probe.step + math.pi / omega
@@ -150,7 +152,7 @@ def test_head_on_measures_of_a_known_motion():
     position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
     force[:, 0, 2] = np.where(inside, law.normal_stiffness * overlap, 0)
     found = probes.Trajectory(time, position, velocity, none, force, none, none[:, 0, 0], none[:, 0, 0])
-    measured, _, _ = verify_impacts.measure(probe, found)
+    measured, _, _ = impacts.measure(probe, found)
     assert measured["peak_overlap_m"] == pytest.approx(1 / omega, rel=1e-5)
     assert measured["duration_s"] == pytest.approx(math.pi / omega, rel=1e-5)
     assert measured["restitution"] == pytest.approx(0.7)
@@ -158,7 +160,7 @@ def test_head_on_measures_of_a_known_motion():
 
 def test_path_reaches_every_branch():
     """The imposed path closes within a step, slips both ways, leaves the contact, and closes again."""
-    case = verify_paths.Paths("liggghts")
+    case = paths.Paths("liggghts")
     for probe in case.probes():
         overlap, closing, sliding, _, _ = case.geometry(probe)
         inside = overlap > 0

@@ -4,9 +4,10 @@ import math
 
 import pytest
 
-from analysis import derived, tables
-from analysis.scenario import load_scenario
-from analysis.watch import Diverged, Watch
+from analysis.driver.watch import Diverged, Watch
+from analysis.normalised import tables
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 
 SCENARIO = load_scenario("linear-mu0.8", "demo")
 GRID = derived.time_grid(SCENARIO)

@@ -19,7 +19,7 @@ class Apparatus:
 
     @classmethod
     def of(cls, box) -> Apparatus:
-        """Ids in a simulation with the apparatus `box` (analysis.derived.Apparatus)."""
+        """Ids in a simulation with the apparatus `box` (analysis.scenarios.derived.Apparatus)."""
         return cls(4, tuple(range(5, 5 + len(box.plates))))
 
 

@@ -15,7 +15,7 @@ from yade import utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import Omega
 
-from analysis import derived
+from analysis.scenarios import derived
 from files import write_aside
 
 O = Omega()

@@ -14,7 +14,7 @@ from collections import deque
 import __main__
 from yade.wrapper import Omega, PyRunner
 
-from analysis import derived
+from analysis.scenarios import derived
 from apparatus import Apparatus
 
 O = Omega()

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from yade.wrapper import Omega
 
-from analysis import derived
-from analysis.scenario import Scenario
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
 from bed import BedError
 from files import write_aside
 from state import StateRow

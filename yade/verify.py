@@ -1,4 +1,6 @@
-"""Small cases with known answers, many in one YADE process; analysis/probes.py makes them and reads what they give.
+"""Small cases with known answers, many in one YADE process.
+
+analysis/verification/probes.py makes them and reads what they give.
 
     yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
 
@@ -21,7 +23,7 @@ from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
 ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
-from analysis.scenario import Scenario                  # noqa: E402
+from analysis.scenarios.scenario import Scenario                  # noqa: E402
 from bed import HEADER, Bed                             # noqa: E402
 from contact import ContactLaw                          # noqa: E402
 

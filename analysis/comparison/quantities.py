@@ -1,0 +1,254 @@
+"""What is measured on a run: cycle by cycle, over depth, and as a summary in which nothing is silently missing.
+
+Functions take a `readers.Run` (or anything with its attributes). SI units; nan where the run cannot say.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from analysis.comparison import settlement
+from analysis.normalised import tables
+from analysis.scenarios import derived
+
+CYCLES_SHOWN = (1, 10, 100, 1000)
+LEAST_LATE_CYCLES = 10
+"""A late slope takes at least this many cycles."""
+LEAST_LOOP_ROWS = 16
+"""A loop of fewer rows is too coarse for its area."""
+
+PER_CYCLE = (
+    "cycle",
+    "settlement_increment_m",
+    "resilient_stroke_m",
+    "secant_stiffness_N_m",
+    "loop_energy_J",
+    "porosity_spread",
+    "tracking_ratio",
+)
+SUMMARY = ("quantity", "cycle", "value", "low", "high", "unit", "missing")
+
+
+# ---------------------------------------------------------------------- cycle by cycle
+
+
+def per_cycle(run) -> pd.DataFrame:
+    """Quantities of each finished cycle (columns PER_CYCLE).
+
+    settlement_increment_m   what the cycle adds at minimum load
+    resilient_stroke_m       settlement at maximum load minus that at the minimum load after it: what springs back
+    secant_stiffness_N_m     range of the sleeper's load over that stroke
+    loop_energy_J            work of the load in the cycle, the area of the loop of load against settlement
+    porosity_spread          largest minus smallest porosity of the three measurement spheres
+    tracking_ratio           rms tracking error over the largest target stress
+    Loads and work are those of the scenario's width (a slice carries less).
+    """
+    cycles = run.cycles
+    box = derived.apparatus(run.scenario) if run.scenario is not None else None
+    area = box.sleeper_area_m2 if box else math.nan
+    stroke = cycles["settlement_peak_m"] - cycles["settlement_m"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stiffness = (
+            area * (cycles["sleeper_stress_max_Pa"] - cycles["sleeper_stress_min_Pa"]) / stroke.where(stroke > 0)
+        )
+    follows = cycles["cycle"].diff().fillna(cycles["cycle"]) == 1  # after a lost row the increment is unknown
+    spheres = cycles[[f"porosity_{k}" for k in tables.SPHERES]]
+    return pd.DataFrame(
+        {
+            "cycle": cycles["cycle"],
+            "settlement_increment_m": cycles["settlement_m"].diff().fillna(cycles["settlement_m"]).where(follows),
+            "resilient_stroke_m": stroke,
+            "secant_stiffness_N_m": stiffness,
+            "loop_energy_J": cycles["cycle"].map(loop_energy(run)).astype(float),
+            "porosity_spread": spheres.max(axis=1, skipna=False) - spheres.min(axis=1, skipna=False),
+            "tracking_ratio": cycles["tracking_rms_Pa"]
+            / (run.scenario["loading.stress_max"] if run.scenario is not None else math.nan),
+        }
+    )[list(PER_CYCLE)]
+
+
+def loop_energy(run) -> dict[int, float]:
+    """Work (J) that the sleeper does on the bed in each cycle whose history is whole: {cycle: work}.
+
+    The integral of measured stress x area over settlement, from minimum load to minimum load. It counts the permanent
+    part of the settlement, too; where the loop closes it is the loop's area.
+    """
+    history = run.history[["cycle", "sleeper_stress_Pa", "settlement_m"]].dropna()
+    if run.scenario is None or len(history) < LEAST_LOOP_ROWS:
+        return {}
+    area = derived.apparatus(run.scenario).sleeper_area_m2
+    at, stress, down = history.to_numpy(dtype=float).T
+    spacing = np.median(np.diff(at))
+    work = np.r_[0, np.cumsum(area * (stress[1:] + stress[:-1]) / 2 * np.diff(down))]
+    energies = {}
+    for n in range(max(1, math.ceil(at[0] + 1 - 1e-6)), math.floor(at[-1] + 1e-6) + 1):
+        first, last = np.searchsorted(at, [n - 1 - 1e-6, n - 1e-6])
+        steps = np.diff(at[first : last + 1])
+        whole = last < len(at) and abs(at[first] - n + 1) < 1e-6 and abs(at[last] - n) < 1e-6
+        if whole and last - first >= LEAST_LOOP_ROWS and steps.max() < 1.5 * spacing:
+            energies[n] = float(work[last] - work[first])
+    return energies
+
+
+# ---------------------------------------------------------------------- over depth
+
+
+def plate_depths(scenario) -> np.ndarray:
+    """Depth of the plates' middles below the sleeper's base before loading, plate 1 (bottom) to 5, m."""
+    box = derived.apparatus(scenario)
+    return np.array([box.sleeper.low[2] - (plate.low[2] + plate.high[2]) / 2 for plate in box.plates])
+
+
+def lateral_profile(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
+    """Lateral displacement against depth after those of `cycles` that the run has: cycle, plate, depth_m, lateral_m."""
+    depth = plate_depths(run.scenario) if run.scenario is not None else np.full(5, math.nan)
+    rows = run.cycles[run.cycles["cycle"].isin(cycles)]
+    return pd.DataFrame(
+        [(row["cycle"], k, depth[k - 1], row[f"lateral_{k}_m"]) for _, row in rows.iterrows() for k in tables.PLATES],
+        columns=["cycle", "plate", "depth_m", "lateral_m"],
+    ).astype({"cycle": int, "plate": int})
+
+
+# ---------------------------------------------------------------------- the late part, the porosities
+
+
+def late_slope(
+    cycles, values, first: int | None = None, last: int | None = None, level: float = 0.95
+) -> tuple[float, float, float]:
+    """Slope of `values` per cycle and its confidence interval, over `first` (default: half of the last) to `last`.
+
+    The interval knows that the scatter of a settlement curve accumulates. (nan, nan, nan) with fewer than 10 cycles.
+    """
+    cycles, values = np.asarray(cycles, dtype=float), np.asarray(values, dtype=float)
+    usable = np.isfinite(cycles) & np.isfinite(values)
+    cycles, values = cycles[usable], values[usable]
+    if len(cycles):
+        last = cycles[-1] if last is None else last
+        inside = (cycles >= (last / 2 if first is None else first)) & (cycles <= last)
+        cycles, values = cycles[inside], values[inside]
+    if len(cycles) < LEAST_LATE_CYCLES:
+        return math.nan, math.nan, math.nan
+    fitted = settlement.fit("line", cycles, values, level=level)
+    return fitted.values["b"], *fitted.intervals["b"]
+
+
+def porosity_order(porosities, error: float = 0.0) -> str:
+    """The spheres from the least porous to the most, as "1 < 2 ~ 3"; ~ stands where twice the joint error decides."""
+    porosities = np.asarray(porosities, dtype=float)
+    if not np.isfinite(porosities).all():
+        return ""
+    order = np.argsort(porosities, kind="stable")
+    text = str(order[0] + 1)
+    for one, other in zip(order[:-1], order[1:]):
+        text += (" ~ " if porosities[other] - porosities[one] <= 2 * math.sqrt(2) * error else " < ") + str(other + 1)
+    return text
+
+
+# ---------------------------------------------------------------------- summary
+
+
+def summary(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
+    """All quantities of a run, tidy (columns SUMMARY): after each of `cycles` and the last, or with the reason why not.
+
+    low, high   95 % confidence interval where there is one
+    unit        of value, low and high
+    missing     empty, or why the value is nan
+    """
+    return pd.concat([after_cycles(run, cycles), fitted(run)], ignore_index=True)
+
+
+def after_cycles(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
+    """The part of `summary` that is measured after single cycles."""
+    rows: list[tuple] = []
+    done = int(run.cycles["cycle"].max()) if len(run.cycles) else 0
+    wanted = [*(n for n in cycles if n != done), *([done] if done else [])]
+    _add_at(
+        rows,
+        run.cycles,
+        wanted,
+        done,
+        {
+            "settlement_m": "m",
+            "settlement_peak_m": "m",
+            **{f"lateral_{k}_m": "m" for k in tables.PLATES},
+            **{f"porosity_{k}": "-" for k in tables.SPHERES},
+            "tracking_rms_Pa": "Pa",
+            "clumps": "-",
+        },
+        "cycles.csv",
+    )
+    _add_at(
+        rows,
+        per_cycle(run),
+        wanted,
+        done,
+        {"resilient_stroke_m": "m", "secant_stiffness_N_m": "N/m", "loop_energy_J": "J", "porosity_spread": "-"},
+        "history.csv",
+    )
+    _add_at(
+        rows,
+        run.microstructure,
+        [0, *wanted],
+        done,
+        {
+            "bulge_volume_m3": "m3",
+            "shoulder_displacement_m": "m",
+            "crib_heave_m": "m",
+            "coordination_number": "-",
+            "overlap_mean_m": "m",
+            "overlap_max_ratio": "-",
+            "rotation_mean_rad": "rad",
+            "sliding_share": "-",
+            "at_limit_share": "-",
+        },
+        "microstructure.csv",
+    )
+    _add_at(
+        rows,
+        run.microstructure,
+        [0, *wanted],
+        done,
+        {
+            "normal_force_mean_N": "N",
+            "contact_anisotropy": "-",
+            "force_anisotropy": "-",
+            "force_chain_share": "-",
+            "force_chain_load_share": "-",
+        },
+        "microstructure.csv (contacts of that cycle)",
+    )
+    return pd.DataFrame(rows, columns=SUMMARY)
+
+
+def fitted(run) -> pd.DataFrame:
+    """The part of `summary` that is fitted to the whole curve: late slope, parameters of the exponential law."""
+    done = int(run.cycles["cycle"].max()) if len(run.cycles) else 0
+    slope = late_slope(run.cycles["cycle"], run.cycles["settlement_m"])
+    short = "" if slope[0] == slope[0] else f"the later half of {done} cycles has fewer than {LEAST_LATE_CYCLES}"
+    rows = [("late_slope_m", done, *slope, "m per cycle", short)]
+    choice = settlement.choose(run.cycles["cycle"], run.cycles["settlement_m"])
+    law = choice.fits.get("exponential")
+    for name, unit in (("a", "m"), ("b", "m"), ("c", "cycles"), ("d", "m per cycle")):
+        values = (law.values[name], *law.intervals[name]) if law else (math.nan,) * 3
+        rows.append((f"exponential_{name}", done, *values, unit, "" if law else choice.reason))
+    return pd.DataFrame(rows, columns=SUMMARY)
+
+
+def _add_at(
+    rows: list, table: pd.DataFrame, wanted: Sequence[int], done: int, units: dict[str, str], source: str
+) -> None:
+    by_cycle = table.set_index("cycle")
+    for name, unit in units.items():
+        for n in wanted:
+            value = float(by_cycle.at[n, name]) if n in by_cycle.index else math.nan
+            if value == value:
+                why = ""
+            elif n > done:
+                why = f"the run has {done} cycles"
+            else:
+                why = f"not in {source}"
+            rows.append((name, n, value, math.nan, math.nan, unit, why))

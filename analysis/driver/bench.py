@@ -1,0 +1,123 @@
+"""`make bench`: steps per second of both codes in cyclic loading, on the same machine, one after the other.
+
+Never a test: a number that depends on what else the machine does cannot fail. Run it on a quiet machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+from analysis.driver import record, run
+from analysis.driver.engines import CODES
+from analysis.driver.rawfiles import last_rows
+from analysis.files import ROOT, write_csv
+
+SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
+PRELOADED = (
+    "scenario.json",
+    "run.json",
+    "raw/bed_*ed.csv",
+    "raw/preload.csv",
+    "raw/state.csv",
+    "checkpoints/cyclic_000000*",
+)
+COLUMNS = (
+    "profile",
+    "scenario",
+    "code",
+    "version",
+    "ranks",
+    "clumps",
+    "contacts",
+    "steps",
+    "wall_s",
+    "steps_per_second",
+    "ratio_to_yade",
+    "hours_per_1000_cycles",
+    "cpu",
+    "load_average",
+)
+
+
+def measure(
+    profile: str, name: str, code: str, cycles: int, ranks: int, results: Path, work: Path
+) -> dict[str, str | int | float]:
+    """Load a preloaded bed for some cycles. The bed comes from `results`, where it is made if it is not there yet."""
+    arguments = [name, "--code", code, "--profile", profile, "--ranks", str(ranks)]
+    source, folder = (run.run_folder(base, profile, name, code, 1) for base in (results, work))
+    if not (source / "raw" / "bed_preloaded.csv").exists() and run.main(
+        [*arguments, "--results", str(results), "--until", "preload"]
+    ):
+        raise SystemExit(1)
+    for pattern in PRELOADED:
+        for path in source.glob(pattern):
+            target = folder / path.relative_to(source)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, target)
+    load = os.getloadavg()[0]
+    if run.main([*arguments, "--results", str(work), "--cycles", str(cycles)]):
+        raise SystemExit(1)
+    body, last = record.read(folder), last_rows(folder / "raw" / "state.csv")["cyclic"]
+    steps, speed = body["steps"]["cyclic"], body["timing"]["steps_per_second"]["cyclic"]
+    return dict(
+        zip(
+            COLUMNS,
+            (
+                profile,
+                name,
+                code,
+                body["versions"]["engine"],
+                ranks,
+                body["clumps"],
+                int(float(last["contacts"])),
+                steps,
+                body["timing"]["wall_s"]["cyclic"],
+                speed,
+                None,
+                round(1000 * steps / cycles / speed / 3600, 2),
+                cpu(),
+                f"{load:.1f}",
+            ),
+        )
+    )
+
+
+def cpu() -> str:
+    """Model name of the processor."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown")
+
+
+def main(argv: list[str]) -> int:
+    """Command line of `make bench`."""
+    parser = argparse.ArgumentParser(prog="python -m analysis bench", description="Steps per second of both codes.")
+    parser.add_argument("--profile", default="demo")
+    parser.add_argument("--cycles", type=int, default=1, help="cycles to time (default 1)")
+    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--results", type=Path, default=ROOT / "results", help="where preloaded beds may be found")
+    parser.add_argument("--out", type=Path, default=ROOT / "report" / "benchmark.csv")
+    options = parser.parse_args(argv)
+
+    rows = []
+    with tempfile.TemporaryDirectory(prefix="bench") as work:
+        for name in SCENARIOS:
+            pair = [
+                measure(options.profile, name, code, options.cycles, options.ranks, options.results, Path(work))
+                for code in CODES
+            ]
+            for row in pair:
+                row["ratio_to_yade"] = round(row["steps_per_second"] / pair[CODES.index("yade")]["steps_per_second"], 2)
+            rows += pair
+    write_csv(options.out, [COLUMNS, *([row[name] for name in COLUMNS] for row in rows)])
+    print(f"{'scenario':16} {'code':9} {'clumps':>6} {'contacts':>8} {'steps/s':>8} {'ratio':>6} {'h/1000 cycles':>14}")
+    for row in rows:
+        print(
+            "{scenario:16} {code:9} {clumps:6} {contacts:8} {steps_per_second:8.0f} {ratio_to_yade:6.2f} "
+            "{hours_per_1000_cycles:14.1f}".format(**row)
+        )
+    print(f"{cpu()}; load average {rows[0]['load_average']} at the start; written to {options.out}")
+    return 0

@@ -1,0 +1,69 @@
+"""run.json: what a run is and how far it got. Everything that differs between two equal runs is under `timing`."""
+
+from __future__ import annotations
+
+import json
+import platform
+import socket
+import subprocess
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+from analysis.files import ROOT, write_aside
+
+FILE = "run.json"
+
+
+def now() -> str:
+    """The time as ISO 8601, UTC, whole seconds."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def read(run_dir: Path) -> dict | None:
+    """Content of run.json, or None where there is none that can be read."""
+    try:
+        return json.loads((run_dir / FILE).read_text())
+    except (OSError, ValueError):
+        return None
+
+
+def write(run_dir: Path, body: dict) -> None:
+    """Replace run.json in one go."""
+    write_aside(run_dir / FILE, json.dumps(body, indent=1) + "\n")
+
+
+def host() -> str:
+    """Name of this machine."""
+    return socket.gethostname()
+
+
+def versions(engine: str) -> dict[str, str]:
+    """Versions of engine, analysis, Python and system."""
+    system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
+    return {
+        "engine": engine,
+        "analysis": metadata.version("ballast-analysis"),
+        "python": platform.python_version(),
+        "os": f"{system}, {platform.machine()}",
+    }
+
+
+def git() -> dict:
+    """Commit of the working tree and whether tracked files differ from it; None outside a repository."""
+
+    def ask(*words: str) -> str | None:
+        try:
+            done = subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=False)
+        except FileNotFoundError:
+            return None
+        return done.stdout.strip() if done.returncode == 0 else None
+
+    changes = ask("status", "--porcelain", "--untracked-files=no")
+    return {"git_commit": ask("rev-parse", "HEAD"), "git_dirty": None if changes is None else bool(changes)}
+
+
+def relative(path: Path) -> str:
+    """A path as run.json may hold it: relative to the repository, or outside of it the name alone."""
+    path = path.resolve()
+    return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name

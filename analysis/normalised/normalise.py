@@ -1,0 +1,284 @@
+"""From raw engine output to the normalised files of a run, cycle by cycle while the engine runs.
+
+The driver alone calls this. Everything written is a function of the raw files only, so that a repeated or resumed run
+gives the same files bit for bit. A kill at any moment is harmless: cycles.csv is written last in a cycle and says what
+is done; `rewind` cuts the other tables back to it.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from analysis import files
+from analysis.files import GrowingTable, Row
+from analysis.normalised import beds, microstructure, porosity, tables
+from analysis.scenarios import derived
+
+
+class NormaliseError(ValueError):
+    """Raw output that is missing or unusable; the message is one line naming file and remedy."""
+
+
+class Normaliser:
+    """Writes the normalised files of one run folder.
+
+    normaliser = Normaliser(run_dir, scenario)
+    normaliser.before()                 # when preload has ended
+    normaliser.rewind(n)                # when cyclic loading starts from the checkpoint after n cycles (also n = 0)
+    if normaliser.ready(n):             # the engine has written all that belongs to cycle n
+        row = normaliser.cycle(n)       # in turn, n = 1, 2, ...; the new row of cycles.csv as a dict
+    normaliser.finish()                 # when the engine has ended, for whatever reason
+    """
+
+    def __init__(self, run_dir, scenario):
+        self.folder, self.scenario = Path(run_dir), scenario
+        self._raw = self.folder / "raw"
+        self._grid, self._box = derived.time_grid(scenario), derived.apparatus(scenario)
+        self._clump = derived.clump(scenario)
+        self._cycles = tables.CycleTable(self.folder / "cycles.csv", tables.CYCLES)
+        self._history = tables.CycleTable(self.folder / "history.csv", tables.HISTORY, tables.short_cell)
+        self._microstructure = tables.CycleTable(
+            self.folder / "microstructure.csv", tables.MICROSTRUCTURE, tables.short_cell
+        )
+        self._loading = GrowingTable(self._raw / "cyclic.csv", tables.RAW_LOADING)
+        self._state = GrowingTable(self._raw / "state.csv", tables.RAW_STATE, stage="cyclic")
+        self._spheres = self._first_bed = self._done = None
+
+    # ------------------------------------------------------------------ what the driver calls
+
+    def before(self) -> None:
+        """Write bed_before.csv and row 0 of microstructure.csv; start the tables anew if the bed is another."""
+        self._begin(tables.EVERYTHING)
+
+    def ready(self, n: int) -> bool:
+        """True when the engine has written everything that belongs to cycle `n`."""
+        step = n * self._grid.steps_per_cycle
+        return (
+            self._bed(n).exists()
+            and (not self._keeps(n) or self._contacts(n).exists())
+            and step in self._update(self._loading)
+            and step in self._update(self._state)
+        )
+
+    def cycle(self, n: int) -> dict[str, float]:
+        """Add cycle `n` to history.csv, microstructure.csv and cycles.csv; return the row of the latter.
+
+        A cycle that was done before is done again, and later ones are dropped. Deletes the bed of the cycle before,
+        unless kept.
+        """
+        if self._done is None or n <= self._done:
+            self._begin(n - 1)
+        if n != self._done + 1:
+            raise NormaliseError(f"cycles.csv: cycle {n} cannot follow cycle {self._done}; call rewind({n - 1}) first")
+        rows = self._rows(n)
+        zero = self._numbers(self._row(0))
+        end = rows[-1]
+        bed = self._read(beds.read_bed, self._bed(n))
+        lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES]
+        structure = self._microstructure_row(
+            n,
+            bed,
+            end["sleeper_displacement_m"],
+            [end[f"plate_{k}_displacement_m"] for k in tables.PLATES],
+            lateral,
+            self._state_row(n),
+        )
+        mean_stress = [row["sleeper_stress_mean_Pa"] for row in rows]
+        row = dict(
+            zip(
+                tables.CYCLES,
+                (
+                    n,
+                    end["time_s"],
+                    end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+                    rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+                    *lateral,
+                    *structure[1:4],
+                    min(mean_stress),
+                    max(mean_stress),
+                    math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
+                    len(bed),
+                ),
+            )
+        )
+
+        self._append_history([n])
+        self._microstructure.append([structure])
+        self._cycles.append([list(row.values())])
+        self._done = n
+        self._loading.drop_until(n * self._grid.steps_per_cycle, but=0)
+        self._state.drop_until(n * self._grid.steps_per_cycle)
+        if n > 1 and not self._keeps(n - 1):
+            self._bed(n - 1).unlink(missing_ok=True)
+        return row
+
+    def rewind(self, n: int) -> None:
+        """Go back to the end of cycle `n`: drop later rows, beds and contacts, which the engine will write again.
+
+        Rows of raw/cyclic.csv and raw/state.csv may stay or be cut: a step that is there twice counts as last written.
+        """
+        self._begin(n)
+        for path in [*self._raw.glob("bed_cycle_*.csv"), *self._raw.glob("contacts_cycle_*.csv")]:
+            number = path.stem.rpartition("_")[2]
+            later = number.isdigit() and int(number) > n
+            spent = (
+                number.isdigit()
+                and path.name.startswith("bed")
+                and int(number) < self._done
+                and not self._keeps(int(number))
+            )
+            if later or spent:
+                path.unlink()
+
+    def finish(self) -> None:
+        """Write bed_after.csv, the bed after the last cycle done, if there is one; repair what a kill tore."""
+        if not (self._raw / "bed_preloaded.csv").exists():
+            return
+        if self._done is None:
+            self._begin(tables.EVERYTHING)
+        if self._done > 0 and self._bed(self._done).exists():
+            files.write_aside(self.folder / "bed_after.csv", self._bed(self._done).read_text())
+
+    def _begin(self, n: float) -> None:
+        """Make the tables end with cycle `n`, or with the last cycle done where that comes first."""
+        self._loading.forget()
+        self._state.forget()
+        source, target = self._raw / "bed_preloaded.csv", self.folder / "bed_before.csv"
+        self._first_bed = self._read(beds.read_bed, source)
+        text = source.read_text()
+        same = target.exists() and target.read_text() == text
+        self._cycles.rewind(n if same else -1)
+        self._done = self._cycles.last_cycle() or 0
+        self._microstructure.rewind(self._done if same else -1)
+        self._history.rewind(self._done if same else -1)
+        if not same:
+            files.write_aside(target, text)
+        if self._microstructure.last_cycle() is None:
+            sleeper_down, plates_out = self._preloaded_places()
+            self._microstructure.append(
+                [self._microstructure_row(0, self._first_bed, sleeper_down, plates_out, [0.0] * 5, {})]
+            )
+        if self._done == 0 or self._history.last_cycle() != self._done:
+            self._history.rewind(-1)
+            self._append_history(range(1, self._done + 1))
+
+    # ------------------------------------------------------------------ raw files
+
+    def _bed(self, n: int) -> Path:
+        return self._raw / f"bed_cycle_{n:06d}.csv"
+
+    def _contacts(self, n: int) -> Path:
+        return self._raw / ("contacts_preloaded.csv" if n == 0 else f"contacts_cycle_{n:06d}.csv")
+
+    def _keeps(self, n: int) -> bool:
+        return n in self.scenario["output.keep_beds"] or n == self.scenario["loading.cycles"]
+
+    def _read(self, reader, path: Path):
+        try:
+            return reader(path)
+        except ValueError as error:
+            raise NormaliseError(f"raw/{error}") from None
+
+    @staticmethod
+    def _update(growing: GrowingTable) -> dict[int, Row]:
+        try:
+            return growing.update()
+        except ValueError as error:
+            raise NormaliseError(f"raw/{error}") from None
+
+    def _row(self, step: int) -> Row:
+        rows = self._loading.rows if step in self._loading.rows else self._update(self._loading)
+        if step not in rows:
+            raise NormaliseError(
+                f"raw/cyclic.csv: the row of step {step} is missing; go back to the checkpoint before it"
+            )
+        return rows[step]
+
+    def _numbers(self, row: Row) -> dict[str, float]:
+        try:
+            numbers = {name: float(cell) for name, cell in row.items()}
+        except ValueError:
+            numbers = {}
+        if not numbers or not all(map(math.isfinite, numbers.values())):
+            raise NormaliseError(
+                f"raw/cyclic.csv: a value of step {row['step']} is no number; "
+                "the engine diverged or the file is damaged"
+            )
+        return numbers
+
+    def _rows(self, n: int) -> list[dict[str, float]]:
+        """The rows of cycle `n`, from the first after its beginning to its end at minimum load."""
+        end, spacing = n * self._grid.steps_per_cycle, self._grid.steps_per_row
+        self._row(end)
+        return [
+            self._numbers(self._row(step))
+            for step in range(end - self._grid.steps_per_cycle + spacing, end + 1, spacing)
+        ]
+
+    def _state_row(self, n: int) -> dict[str, float]:
+        step = n * self._grid.steps_per_cycle
+        row = self._update(self._state).get(step)
+        if row is None:
+            raise NormaliseError(
+                f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it"
+            )
+        try:
+            return {name: float(row[name] or "nan") for name in tables.RAW_STATE[1:]}
+        except ValueError as error:
+            raise NormaliseError(f"raw/state.csv: step {step} of stage cyclic: {error}") from None
+
+    def _preloaded_places(self) -> tuple[float, list[float]]:
+        """Where sleeper (down, m) and plates (out, m) stand at the end of preload, since its start."""
+        rows = self._update(GrowingTable(self._raw / "preload.csv", tables.RAW_LOADING))
+        if not rows:
+            raise NormaliseError("raw/preload.csv: has no rows; run the preload stage again")
+        last = self._numbers(rows[max(rows)])
+        return last["sleeper_displacement_m"], [last[f"plate_{k}_displacement_m"] for k in tables.PLATES]
+
+    # ------------------------------------------------------------------ rows of the normalised tables
+
+    def _append_history(self, cycles) -> None:
+        zero = self._numbers(self._row(0)) if cycles else {}
+        self._history.append(
+            [self._history_row(raw, zero) for n in cycles for raw in ([zero] if n == 1 else []) + self._rows(n)]
+        )
+
+    def _history_row(self, raw: dict[str, float], zero: dict[str, float]) -> list[float]:
+        return [
+            raw["time_s"],
+            raw["step"] / self._grid.steps_per_cycle,
+            raw["sleeper_target_Pa"],
+            raw["sleeper_stress_Pa"],
+            raw["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+            self.scenario["preload.plate_stress"],
+            *(raw[f"plate_{k}_stress_Pa"] for k in tables.PLATES),
+            *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES),
+        ]
+
+    def _microstructure_row(self, n, bed, sleeper_down, plates_out, lateral, state) -> list[float]:
+        if self._spheres is None:
+            self._spheres = porosity.MeasurementSpheres(self.scenario)
+        centres = beds.sphere_centres(bed, self._clump.half_distance_m)
+        porosities, error = self._spheres.measure(centres, sleeper_down, plates_out)
+        values = {
+            "cycle": n,
+            **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities)},
+            "porosity_error": error,
+            "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
+            **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),
+            **microstructure.motion_measures(self._first_bed, bed, self._box, self.scenario["clump.ball_radius"]),
+            **{
+                name: state[name]
+                for name in ("sliding_share", "at_limit_share", "kinetic_energy_J", "unbalanced_ratio")
+                if name in state
+            },
+        }
+        if self._contacts(n).exists():
+            contacts = self._read(microstructure.read_contacts, self._contacts(n))
+            values.update(microstructure.force_measures(contacts))
+            if not values.get("sliding_share", np.nan) >= 0:
+                values["sliding_share"] = microstructure.sliding_share(contacts)
+        return [values.get(name, np.nan) for name in tables.MICROSTRUCTURE]

@@ -1,0 +1,285 @@
+"""Reference curves: what is there, what is pending, and a check of every file before anything is compared with it.
+
+Each folder of reference_data/ is one source; each .toml in it is the sidecar of one figure panel and names the files
+that WebPlotDigitizer wrote. Values are converted to SI by the unit that the sidecar declares, and by nothing else.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pandas as pd
+
+from analysis.files import ROOT
+from analysis.reference import webplotdigitizer
+from analysis.reference.webplotdigitizer import Dataset, DigitiserError
+from analysis.scenarios.scenario import load_scenario, scenario_names
+
+REFERENCE_FOLDER = ROOT / "reference_data"
+
+NOT_CURVES = ("settlement_laws", "runs")
+
+COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "depth_m", "sphere",
+           "value", "unit", "error", "status", "licence", "sidecar")
+
+PENDING_COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "sphere", "sidecar")
+
+SI = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "-": 1.0, "%": 1e-2}
+
+VALUES = {"settlement": "m", "lateral_displacement": "m", "porosity": "-"}
+
+ABSCISSAE = {"settlement": "cycle", "lateral_displacement": "depth", "porosity": "cycle"}
+
+# Wide on purpose: only a wrong unit, sign or axis falls outside. SI units, as converted.
+PLAUSIBLE = {"cycle": (-20.0, 1e7), "depth": (-0.2, 0.5), "settlement": (-0.01, 0.2),
+             "lateral_displacement": (-0.02, 0.2), "porosity": (0.1, 0.7)}
+
+AXIS_SLACK = 0.02       # share of the axis that a point may lie outside of it
+
+LEAST_POINTS = 3
+
+
+class ReferenceError(ValueError):
+    """Reference data that cannot be used; the message is one line naming file, key and remedy."""
+
+
+@dataclass
+class References:
+    """All reference data of a folder.
+
+    curves    tidy table (COLUMNS), one row per point. `value` and `error` are in `unit` (m or -), settlement positive
+              downward, lateral displacement positive outward; `cycle` is a coordinate for settlement and porosity and
+              constant for a profile over `depth_m` (below the sleeper's base); absent coordinates are nan.
+    pending   one row per curve that is still to be digitised (PENDING_COLUMNS)
+    problems  one line for each file that cannot be used; its curves are in neither table
+    """
+
+    curves: pd.DataFrame
+    pending: pd.DataFrame
+    problems: list[str] = field(default_factory=list)
+
+    def curve(self, quantity: str, kind: str | None = None, source: str | None = None, scenario: str | None = None,
+              cycle: int | None = None, sphere: int | None = None) -> pd.DataFrame:
+        """Rows of the curves that match, in the order of their coordinate; empty where nothing has come in yet.
+
+        `cycle` chooses among profiles over depth.
+        """
+        wanted = {"quantity": quantity, "kind": kind, "source": source, "scenario": scenario, "cycle": cycle,
+                  "sphere": sphere}
+        rows = self.curves
+        for column, value in wanted.items():
+            if value is not None:
+                rows = rows[rows[column] == value]
+        return rows.sort_values(["curve", ABSCISSAE[quantity].replace("depth", "depth_m")], kind="stable")
+
+
+def load_references(folder: Path = REFERENCE_FOLDER) -> References:
+    """Read and check all sidecars of `folder`; a bad one becomes a line in `problems` and does not hide the others."""
+    folder = Path(folder)
+    curves, pending, problems, named = [], [], [], set()
+    for sidecar in sidecars(folder):
+        try:
+            head = _read_sidecar(sidecar)
+            named |= {sidecar.parent / file for file in head.get("files", [])}
+            there, missing = _load(sidecar, head)
+        except (ReferenceError, DigitiserError) as error:
+            problems.append(f"{sidecar.parent.name}/{error}")
+            named |= set(sidecar.parent.iterdir())      # whose files they are is unknown now
+        else:
+            curves += there
+            pending += missing
+    for path in sorted(folder.glob("*/*")):
+        if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named:
+            problems.append(f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
+                            "of its figure and set its status")
+    table = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=COLUMNS)
+    return References(table[list(COLUMNS)], pd.DataFrame(pending, columns=PENDING_COLUMNS), problems)
+
+
+def sidecars(folder: Path = REFERENCE_FOLDER) -> list[Path]:
+    """Paths of all sidecars of `folder`, in alphabetical order."""
+    return sorted(p for p in Path(folder).glob("*/*.toml") if p.parent.name not in NOT_CURVES)
+
+
+def _load(sidecar: Path, head: dict) -> tuple[list[pd.DataFrame], list[dict]]:
+    if head["status"] == "pending" and head.get("files"):
+        raise ReferenceError(f'{sidecar.name}: status = "pending", but files = {head["files"]}; '
+                             'set status = "digitised"')
+    value_axis, other_axis = _axes(sidecar, head)
+    datasets = _datasets(sidecar, head) if head["status"] != "pending" else {}
+    there, missing = [], []
+    for curve in head["curves"]:
+        row = {"source": head["source"], "figure": head["figure"], "curve": curve["dataset"], "kind": head["kind"],
+               "scenario": curve.get("scenario", ""), "quantity": head["axes"][value_axis]["quantity"],
+               "cycle": curve.get("cycle", np.nan), "sphere": curve.get("sphere", np.nan),
+               "sidecar": f"{sidecar.parent.name}/{sidecar.name}"}
+        if curve["dataset"] in datasets:
+            file, dataset = datasets[curve["dataset"]]
+            there.append(_tidy(sidecar, head, row, value_axis, other_axis, file, dataset))
+        else:
+            missing.append(row)
+    return there, missing
+
+
+def _read_sidecar(sidecar: Path) -> dict:
+    try:
+        head = tomllib.loads(sidecar.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ReferenceError(f"{sidecar.name}: is not valid TOML: {error}") from None
+    head = json.loads(json.dumps(head, default=str))        # a date becomes its text
+    schema = json.loads((REFERENCE_FOLDER / "schema.json").read_text(encoding="utf-8"))
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(head))
+    if error is not None:
+        raise ReferenceError(f"{sidecar.name}: {_say(error)}")
+    names = [c["dataset"] for c in head["curves"]]
+    for name in names:
+        if names.count(name) > 1:
+            raise ReferenceError(f"{sidecar.name}: curves: dataset {name!r} occurs twice; give each its own name")
+    known = ("", *scenario_names())
+    for curve in head["curves"]:
+        if curve.get("scenario", "") not in known:
+            raise ReferenceError(f"{sidecar.name}: curves: scenario {curve['scenario']!r} is unknown; use a name of "
+                                 "scenarios.toml or leave it out")
+    _check_citation(sidecar, head["source"])
+    return head
+
+
+def _say(error: jsonschema.ValidationError) -> str:
+    """One line: where, what is there, and what may be there."""
+    where = ".".join(map(str, error.absolute_path)) or "the file"
+    known = error.schema.get("description", "") if isinstance(error.schema, dict) else ""
+    value = json.dumps(error.instance)
+    if error.validator == "required":
+        return f"{where}: {error.message}; add it"
+    if error.validator == "not" or (error.validator == "type" and error.instance == "?"):
+        return f'{where} = "?" is still open; fill it in, or set status = "pending"'
+    if error.validator == "enum":
+        return f"{where} = {value} is refused; allowed: {', '.join(map(str, error.validator_value))}"
+    if error.validator == "additionalProperties":
+        return f"{where}: {error.message}; allowed: {', '.join(error.schema['properties'])}"
+    refused = f"{where} = {value[:80]} is refused ({error.validator}: {error.validator_value})"
+    return refused + (f": {known}" if known else "")
+
+
+def _check_citation(sidecar: Path, source: str) -> None:
+    bibliography = sidecar.parent / "reference.bib"
+    if not bibliography.is_file():
+        raise ReferenceError(f"{sidecar.name}: source: no reference.bib beside it; add one with the entry {source}")
+    if source not in citation_keys(bibliography):
+        raise ReferenceError(f"{sidecar.name}: source = {source!r} is not in reference.bib; "
+                             "add the entry or correct the key")
+
+
+def citation_keys(bibliography: Path) -> list[str]:
+    """Keys of all entries of a BibTeX file."""
+    return re.findall(r"^@\w+\{\s*([^,\s]+)\s*,", bibliography.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def _axes(sidecar: Path, head: dict) -> tuple[str, str]:
+    """Which axis (x or y) holds the value and which the coordinate."""
+    quantities = {name: axis["quantity"] for name, axis in head["axes"].items()}
+    values = [name for name, quantity in quantities.items() if quantity in VALUES]
+    if len(values) != 1 or quantities["y" if values[0] == "x" else "x"] != ABSCISSAE[quantities[values[0]]]:
+        raise ReferenceError(f"{sidecar.name}: axes: {quantities['x']} and {quantities['y']} make no curve; allowed: "
+                             + ", ".join(f"{v} with {a}" for v, a in ABSCISSAE.items()))
+    quantity = quantities[values[0]]
+    need = {"lateral_displacement": "cycle", "porosity": "sphere"}.get(quantity)
+    for curve in head["curves"]:
+        for key in ("cycle", "sphere"):
+            if (key == need) != (key in curve):
+                what = f"needs {key}; add it" if key == need else f"has {key}; a curve of {quantity} has none"
+                raise ReferenceError(f"{sidecar.name}: curves: {curve['dataset']!r} {what}")
+    return values[0], "y" if values[0] == "x" else "x"
+
+
+def _datasets(sidecar: Path, head: dict) -> dict[str, tuple[str, Dataset]]:
+    """Datasets of all files by name; a file's only dataset may have any name where the sidecar has one curve."""
+    wanted = [c["dataset"] for c in head["curves"]]
+    found: dict[str, tuple[str, Dataset]] = {}
+    for file in head["files"]:
+        datasets = webplotdigitizer.read(sidecar.parent / file)
+        if len(wanted) == len(datasets) == len(head["files"]) == 1:
+            datasets = [Dataset(wanted[0], datasets[0].points, datasets[0].calibration)]
+        for dataset in datasets:
+            if dataset.name not in wanted:
+                near = difflib.get_close_matches(dataset.name, wanted, 1)
+                known = f"its curves, perhaps {near[0]!r}" if near else ", ".join(map(repr, wanted[:4]))
+                raise ReferenceError(f"{file}: dataset {dataset.name!r} is not a curve of {sidecar.name}; "
+                                     f"rename it to one of {known}")
+            if dataset.name in found:
+                raise ReferenceError(f"{file}: dataset {dataset.name!r} is also in {found[dataset.name][0]}; keep one")
+            found[dataset.name] = (file, dataset)
+    return found
+
+
+def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataFrame:
+    """Check the points of one curve against the declared axes and convert them to SI."""
+    def refuse(what: str) -> ReferenceError:
+        return ReferenceError(f"{file}: dataset {dataset.name!r}: {what}")
+
+    if len(dataset.points) < LEAST_POINTS:
+        raise refuse(f"{len(dataset.points)} points; at least {LEAST_POINTS} are needed")
+    columns = {}
+    for index, name in enumerate("xy"):
+        axis, raw = head["axes"][name], dataset.points[:, index]
+        _check_on_axis(refuse, name, axis, raw, dataset.calibration and dataset.calibration[index], sidecar.name)
+        columns[name] = _to_si(axis, raw)
+        low, high = PLAUSIBLE[axis["quantity"]]
+        outside = (columns[name] < low) | (columns[name] > high)
+        if outside.any():
+            worst = columns[name][outside][0]
+            keys = "unit, reversed" + (", at_sleeper_base" if axis["quantity"] == "depth" else "")
+            raise refuse(f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; "
+                         f"check axes.{name}: {keys}")
+    coordinate, value = columns[other_axis], columns[value_axis]
+    if row["quantity"] == "settlement" and np.median(value) < 0:
+        raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
+    step = np.diff(coordinate)
+    falling_depth = head["axes"][other_axis]["quantity"] == "depth" and (step < 0).all()
+    if not (falling_depth or (step > 0).all()):
+        at = int(np.argmax(step <= 0)) + 2
+        raise refuse(f"{head['axes'][other_axis]['quantity']} does not increase at point {at}; sort by "
+                     f"{other_axis.upper()} in WebPlotDigitizer and delete doubled points")
+    error = head["error"]
+    if (error["unit"] in ("-", "%")) != (VALUES[row["quantity"]] == "-"):
+        raise ReferenceError(f"{sidecar.name}: error.unit = {error['unit']} does not fit {row['quantity']}; "
+                             "use the unit of its axis")
+    depth = head["axes"][other_axis]["quantity"] == "depth"
+    table = pd.DataFrame({"value": value, "cycle": row["cycle"] if depth else coordinate,
+                          "depth_m": coordinate if depth else np.nan})
+    return table.assign(**{k: v for k, v in row.items() if k != "cycle"}, unit=VALUES[row["quantity"]],
+                        error=error["value"] * SI[error["unit"]], status=head["status"], licence=head["licence"])
+
+
+def _check_on_axis(refuse, name, axis, raw, calibration, sidecar) -> None:
+    """Points, and the values that calibrated the axis, lie on the axis as printed."""
+    low, high = sorted(axis["range"])
+    if low == high:
+        raise ReferenceError(f"{sidecar}: axes.{name}.range = {axis['range']} is empty; "
+                             "give the first and last printed value")
+    slack = AXIS_SLACK * (high - low)
+    for value in raw:
+        if not low - slack <= value <= high + slack:
+            raise refuse(f"{name} = {value:.6g} is off the axis, {low:g} to {high:g} {axis['unit']}; "
+                         f"check axes.{name}.range and the calibration")
+    if calibration and not (low - slack <= calibration[0] and calibration[1] <= high + slack):
+        raise refuse(f"axis {name} was calibrated from {calibration[0]:g} to {calibration[1]:g}, beyond {low:g} to "
+                     f"{high:g} {axis['unit']}; check axes.{name}: unit and range")
+
+
+def _to_si(axis: dict, raw: np.ndarray) -> np.ndarray:
+    if axis["unit"] == "s":
+        return raw * load_scenario(scenario_names()[0])["loading.frequency"]
+    sign = -1.0 if axis.get("reversed", False) else 1.0
+    return sign * (raw - axis.get("at_sleeper_base", 0.0)) * SI[axis["unit"]]
+
+
+def _si_unit(axis: dict) -> str:
+    return {"cycle": "cycles", "porosity": ""}.get(axis["quantity"], "m")

@@ -1,0 +1,51 @@
+"""Published laws of settlement as shapes, from reference_data/settlement_laws/laws.toml."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
+
+
+@dataclass(frozen=True)
+class SettlementLaw:
+    """A published law as a shape, settlement over that of the first cycle; `source` are BibTeX keys."""
+
+    id: str
+    label: str
+    form: str
+    coefficient: float
+    source: tuple[str, ...]
+    status: str
+    note: str
+
+    def ratio(self, cycles, reference_cycle: float = 1.0) -> np.ndarray:
+        """S_N / S_reference for `cycles` >= 1."""
+        def shape(n):
+            n = np.asarray(n, dtype=float)
+            return 1 + self.coefficient * np.log(n) if self.form == "logarithm" else n**self.coefficient
+        return shape(cycles) / shape(reference_cycle)
+
+
+def settlement_laws(folder: Path = REFERENCE_FOLDER) -> list[SettlementLaw]:
+    """The laws of settlement_laws/laws.toml, checked."""
+    path = Path(folder) / "settlement_laws" / "laws.toml"
+    try:
+        entries = tomllib.loads(path.read_text(encoding="utf-8"))["law"]
+        laws = [SettlementLaw(**(e | {"source": tuple(e["source"])})) for e in entries]
+    except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
+        raise ReferenceError(f"{path.name}: cannot be used ({error}); each [[law]] has id, label, form, coefficient, "
+                             "source, status and note") from None
+    known = citation_keys(path.with_name("reference.bib"))
+    for law in laws:
+        if law.form not in ("logarithm", "power") or not 0 < law.coefficient < 2:
+            raise ReferenceError(f"{path.name}: {law.id}: form = {law.form}, coefficient = {law.coefficient} is "
+                                 "refused; allowed: logarithm or power, > 0 and < 2")
+        for key in law.source:
+            if key not in known:
+                raise ReferenceError(f"{path.name}: {law.id}: source {key!r} is not in reference.bib; add the entry")
+    return laws

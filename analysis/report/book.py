@@ -1,0 +1,204 @@
+"""The runs of a report with everything that belongs to them, and what can be said of a single run."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from analysis.comparison import claims, compare
+from analysis.driver import status
+from analysis.normalised import tables
+from analysis.normalised.readers import Run, Runs
+from analysis.reference.curves import References
+from analysis.report.figures.gallery import Gallery
+from analysis.report.names import short_name
+from analysis.report.style import CODE_NAMES
+from analysis.scenarios.scenario import ScenarioError, scenario_names
+
+KEY_SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
+"""The two the paper's discussion rests on; the overview shows them, and scenarios that are not the paper's."""
+PAPER_SCENARIO = re.compile(r"linear-mu0\.[789]|nonlinear-en1\.0|nonlinear-md[012]-en0\.[0369]")
+PROFILE_TEXT = {
+    "full": ("The full-size bed", "The paper's box and sleeper."),
+    "demo": (
+        "The demo slice",
+        "A thin slice of the bed, a few hundred clumps and a few cycles: it shows that the whole chain works in both "
+        "codes. Its side walls are "
+        "close, so it is not the paper's bed, and its numbers answer none of the paper's questions.",
+    ),
+}
+
+
+@dataclass
+class Book:
+    """Everything the pages are made of."""
+
+    runs: Runs
+    """The runs that are drawn: one for each profile, scenario, code and seed."""
+    variants: Runs
+    """Runs that were given another run's bed: compared on one page, drawn nowhere."""
+    left_out: list[tuple[Run, str]]
+    references: References
+    gallery: Gallery
+    verification: pd.DataFrame
+    verification_folder: Path
+    problems: list[str]
+    results: str
+    _agreement: dict[str, pd.DataFrame] = field(default_factory=dict)
+
+    @cached_property
+    def verdicts(self) -> list:
+        """The paper's claims, judged on the drawn runs."""
+        return claims.evaluate_claims(self.runs, self.references)
+
+    def agreement(self, profile: str) -> pd.DataFrame:
+        """Both codes next to each other, see `compare.agreement`."""
+        if profile not in self._agreement:
+            self._agreement[profile] = compare.agreement(self.of(profile))
+        return self._agreement[profile]
+
+    def of(self, profile: str) -> Runs:
+        """Drawn runs of a profile with at least one finished cycle."""
+        return Runs(run for run in self.runs if run.profile == profile and len(run.cycles))
+
+    @property
+    def profiles(self) -> list[str]:
+        """Profiles with a finished cycle; the paper's size first."""
+        found = dict.fromkeys(run.profile for run in self.runs if len(run.cycles))
+        return sorted(found, key=lambda p: (p != "full", p))
+
+
+def code_of(run: Run) -> str:
+    """Code of a run, and its seed where that is not the default."""
+    return CODE_NAMES.get(run.code, run.code) + (f", seed {run.seed}" if run.seed != 1 else "")
+
+
+def name_of(run: Run) -> str:
+    """A run in words."""
+    return f"{short_name(run.scenario_name)}, {code_of(run)}"
+
+
+def last_cycle(run: Run) -> int:
+    """Number of the last finished cycle; 0 without one."""
+    return int(run.cycles["cycle"].iloc[-1]) if len(run.cycles) else 0
+
+
+def state_of(run: Run) -> tuple[str, str]:
+    """State and reason; what says it is running but belongs to no process was interrupted."""
+    state, reason = run.info.get("state", "unknown"), run.info.get("reason") or ""
+    if state == "running":
+        try:
+            state, reason = status.state_of(run.folder, run.info)
+        except (KeyError, TypeError, ValueError, OSError):
+            return "interrupted", "its run.json is incomplete"
+    return state, reason
+
+
+def timing(run: Run) -> dict:
+    """The part of run.json that differs between equal runs."""
+    found = run.info.get("timing")
+    return (
+        found
+        if isinstance(found, dict)
+        else {key: run.info.get(key) for key in ("start", "end", "steps_per_second", "host")}
+    )
+
+
+def speed(run: Run) -> float:
+    """Steps per second of cyclic loading; nan where it is not known."""
+    speeds = timing(run).get("steps_per_second")
+    value = speeds.get("cyclic") if isinstance(speeds, dict) else None
+    return float(value) if isinstance(value, (int, float)) else float("nan")
+
+
+def tracking_percent(run: Run) -> float:
+    """Worst tracking error of the run, rms over a cycle, % of the maximum stress; nan without values."""
+    top = run.scenario["loading.stress_max"] if run.scenario else 460e3
+    values = run.cycles["tracking_rms_Pa"].dropna()
+    return 100 * float(values.max()) / top if len(values) else float("nan")
+
+
+def known_scenarios() -> list[str]:
+    """Names in the scenario file; none where it cannot be read."""
+    try:
+        return scenario_names()
+    except ScenarioError:
+        return []
+
+
+def is_variant(run: Run) -> bool:
+    """True for a run that was given another run's bed on the command line: made for comparison, not drawn with the
+    others.
+    """
+    return not str(run.info.get("bed", "own")).startswith(("own", "../../"))
+
+
+def changed_keys(one: Run, other: Run) -> list[str]:
+    """Parameters in which two runs differ, but for those that only say how long a run goes on and what it writes."""
+    return [
+        key
+        for key in one.scenario.parameters
+        if key in other.scenario.parameters
+        and one.scenario[key] != other.scenario[key]
+        and not key.startswith(("loading.cycles", "output.", "limits."))
+    ]
+
+
+def start_of_loading(run: Run) -> dict[str, float]:
+    """Displacement of the sleeper (m, down) and of the plates (mean, m, outward) in preload; empty without raw
+    files.
+    """
+    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
+    try:
+        first = pd.read_csv(run.folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].iloc[0].astype(float)
+    except (OSError, ValueError, KeyError, IndexError):
+        return {}
+    return {"sleeper": float(first.iloc[0]), "plates": float(first.iloc[1:].mean())}
+
+
+def overview_runs(book: Book, profile: str) -> tuple[Runs, str]:
+    """Runs for the overview, and where the others are."""
+    runs = book.of(profile)
+    if len({run.scenario_name for run in runs}) <= 3:
+        return runs, ""
+    chosen = Runs(
+        run for run in runs if run.scenario_name in KEY_SCENARIOS or not PAPER_SCENARIO.fullmatch(run.scenario_name)
+    )
+    chosen = chosen or runs
+    others = sorted({run.scenario_name for run in runs} - {run.scenario_name for run in chosen})
+    return chosen, (f"Not drawn here but on the page Figures: {', '.join(others)}." if others else "")
+
+
+def verification_rows(folder: Path) -> tuple[pd.DataFrame, list[str]]:
+    """verification.csv as a table (no rows where there is none), and a line per problem."""
+    columns = [
+        "code",
+        "case",
+        "quantity",
+        "expected",
+        "measured",
+        "abs_error",
+        "rel_error",
+        "tolerance",
+        "passed",
+        "reason",
+    ]
+    path = folder / "verification.csv"
+    if not path.exists():
+        return pd.DataFrame(columns=columns), []
+    try:
+        rows = pd.read_csv(path, dtype={"code": str, "case": str, "quantity": str, "reason": str, "passed": str})[
+            columns
+        ]
+    except (OSError, ValueError, KeyError) as error:
+        return pd.DataFrame(columns=columns), [
+            f"verification.csv: cannot be read ({' '.join(str(error).split())}); run `make verify` again"
+        ]
+    rows = rows.dropna(subset=["code", "case"])
+    rows["passed"] = rows["passed"].str.lower().eq("true")
+    rows[["quantity", "reason"]] = rows[["quantity", "reason"]].fillna("")
+    return rows, []

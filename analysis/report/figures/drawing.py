@@ -1,0 +1,195 @@
+"""What many figures share: curves with bands and hover values, cycle axes, reference curves, tables behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.ticker import MaxNLocator, NullFormatter
+
+from analysis.reference.curves import References
+from analysis.report import style
+from analysis.report.figures.gallery import Curve
+from analysis.report.names import SOURCE_NAMES, reference_name
+from analysis.report.style import PAPER, SOFT, Canvas
+
+
+def thin(cycles: np.ndarray, most: int = 140) -> np.ndarray:
+    """Positions of at most about `most` cycles, dense at the start and even later on: enough for a line and for
+    hovering.
+    """
+    count = len(cycles)
+    if count <= most:
+        return np.arange(count)
+    early = np.unique(np.geomspace(1, count, most // 2).astype(int)) - 1
+    late = np.linspace(0, count - 1, most // 2).astype(int)
+    return np.unique(np.concatenate([early, late]))
+
+
+def draw(
+    c: Canvas,
+    curve: Curve,
+    table: pd.DataFrame,
+    factor: float,
+    label: bool = True,
+    hover: bool = True,
+    colour: str | None = None,
+    name: str | None = None,
+    tag: str | None = None,
+    **look,
+) -> None:
+    """One curve (index = abscissa; value, low, high in SI) with its band, markers, end label and hover values."""
+    if table.empty:
+        return
+    colour, name, tag = colour or curve.colour, name or curve.label, tag or curve.tag
+    x, y = table.index.to_numpy(float), factor * table["value"].to_numpy()
+    kept = thin(x)
+    x, y = x[kept], y[kept]
+    if (table["high"] > table["low"]).any():
+        c.axes.fill_between(
+            x,
+            factor * table["low"].to_numpy()[kept],
+            factor * table["high"].to_numpy()[kept],
+            color=colour,
+            alpha=0.18,
+            linewidth=0,
+        )
+    options = (
+        curve.look
+        | {
+            "markersize": 3.8,
+            "markevery": _marks(x),
+            "markeredgewidth": 1.0,
+            "linewidth": 1.5 if len(x) < 30 else 1.2,
+            "markerfacecolor": PAPER if curve.code == "yade" else colour,
+        }
+        | look
+    )
+    c.axes.plot(x, y, color=colour, **options)
+    if label:
+        c.labels.append((x[-1], y[-1], tag, colour))
+    if hover:
+        c.series.append(
+            {
+                "label": name,
+                "colour": css(colour),
+                "x": [float(v) for v in x],
+                "y": [None if v != v else float(f"{v:.5g}") for v in y],
+            }
+        )
+
+
+def css(colour: str) -> str:
+    """A colour of a light page as the CSS variable that also has its dark twin."""
+    return next((f"var({name})" for name, (light, _) in style.colour_variables().items() if light == colour), colour)
+
+
+def _marks(x: np.ndarray) -> list[int]:
+    if len(x) <= 12:
+        return list(range(len(x)))
+    wanted = np.unique(np.round(np.geomspace(max(x[0], 1), x[-1], 7)))
+    return sorted({int(np.argmin(np.abs(x - w))) for w in wanted})
+
+
+def with_start(table: pd.DataFrame) -> pd.DataFrame:
+    """The curve with its zero at the end of preload."""
+    start = pd.DataFrame({"value": [0.0], "low": [0.0], "high": [0.0]}, index=[0])
+    return pd.concat([start, table])
+
+
+def cycle_axis(c: Canvas, last: float, log: bool) -> None:
+    c.axes.set_xlabel("load cycle" + (" (logarithmic)" if log else ""))
+    c.hover_x = "cycle"
+    if log:
+        c.axes.set_xscale("log")
+        c.axes.set_xlim(0.9, max(last, 2) * 1.12)
+        steps = (1, 2, 5) if last <= 200 else (1,)
+        ticks = [k * 10**n for n in range(7) for k in steps if k * 10**n <= max(last, 2) * 1.12]
+        c.axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
+        c.axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        c.axes.set_xlim(-0.015 * last, last * 1.015)
+        c.axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+
+
+def curve_rows(curves: Sequence[Curve], columns: Sequence[str], table: str = "cycles") -> pd.DataFrame:
+    """The CSV behind a figure: the runs' own columns below each other."""
+    frames = [
+        getattr(run, table).assign(run=run.id, **run.identity)[["run", "profile", "scenario", "code", "seed", *columns]]
+        for curve in curves
+        for run in curve.runs
+    ]
+    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["run", *columns])
+
+
+def last_cycle_of(curves: Sequence[Curve]) -> float:
+    return max((run.cycles["cycle"].max() for curve in curves for run in curve.runs), default=1)
+
+
+def draw_references(
+    c: Canvas, rows: pd.DataFrame, coordinate: str, factor: float, across: bool = False, scale: float = 1.0
+) -> None:
+    """Reference curves: the experiment bold with its error band, simulations thin; named at their ends.
+
+    across   the value is on the x axis (profiles over depth); `scale` multiplies the coordinate
+    """
+    for (kind, source, curve), part in rows.groupby(["kind", "source", "curve"], sort=True):
+        part = part.sort_values(coordinate)
+        at, value = scale * part[coordinate].to_numpy(float), factor * part["value"].to_numpy(float)
+        error = factor * part["error"].fillna(0).to_numpy(float)
+        experiment = kind == "experiment"
+        colour = style.shade("reference") if experiment else SOFT
+        look = {
+            "color": colour,
+            "linewidth": 2.4 if experiment else 1.3,
+            "linestyle": "-" if experiment else (0, (4, 1.5, 1, 1.5)),
+            "zorder": 1.9,
+        }
+        name = reference_name(kind, source, curve)
+        if across:
+            c.axes.plot(value, at, **look)
+            c.axes.fill_betweenx(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
+            c.labels.append((value[-1], at[-1], name, colour))
+        else:
+            c.axes.plot(at, value, **look)
+            c.axes.fill_between(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
+            c.labels.append((at[-1], value[-1], name, colour))
+            c.series.append(
+                {
+                    "label": name,
+                    "colour": css(colour),
+                    "x": [float(f"{v:.6g}") for v in at],
+                    "y": [float(f"{v:.5g}") for v in value],
+                }
+            )
+
+
+def pending_names(references: References, quantity: str, scenarios: Iterable[str] = ()) -> list[str]:
+    """Reference curves of a quantity that are not digitised yet: those of no scenario, and of the given scenarios."""
+    rows = references.pending
+    rows = rows[(rows["quantity"] == quantity) & (rows["scenario"].isin(["", *scenarios]))]
+    return [
+        f"{SOURCE_NAMES.get(source, source)} ({len(part)} curve{'s' if len(part) > 1 else ''})"
+        for (source, kind), part in rows.groupby(["source", "kind"], sort=True)
+    ]
+
+
+def pending_mark(c: Canvas, pending: Sequence[str]) -> None:
+    if pending:
+        c.axes.text(
+            1,
+            1.02,
+            "reference curves pending",
+            transform=c.axes.transAxes,
+            fontsize=7.5,
+            color=SOFT,
+            ha="right",
+            va="bottom",
+            style="italic",
+        )
+
+
+def reference_rows(references: References, quantity: str, scenarios: Iterable[str], **wanted) -> pd.DataFrame:
+    rows = references.curve(quantity, **wanted)
+    return rows[rows["scenario"].isin(["", *scenarios])]

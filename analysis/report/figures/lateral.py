@@ -1,0 +1,127 @@
+"""Lateral displacement of the plates over depth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import pandas as pd
+
+from analysis.comparison import quantities
+from analysis.normalised.readers import Run
+from analysis.report import style
+from analysis.report.figures.drawing import draw_references, pending_mark, pending_names, reference_rows
+from analysis.report.figures.gallery import Curve, Figure, Gallery
+from analysis.report.names import MM
+from analysis.report.style import PAPER, SOFT
+
+PROFILE_CYCLES = (1, 100, 1000)
+"""Cycles after which the paper shows lateral displacement over depth."""
+
+
+def lateral_figure(
+    g: Gallery,
+    runs: Sequence[Run],
+    name: str,
+    title: str,
+    caption: str,
+    cycles: Sequence[int] | None = None,
+    references: bool = True,
+) -> Figure | None:
+    """Lateral displacement of the plates over depth, one panel per number of cycles."""
+    curves = g.curves(runs)
+    if not curves:
+        return None
+    cycles = cycles or shown_cycles(runs)
+    scenarios = {curve.scenario for curve in curves}
+    pending = pending_names(g.references, "lateral_displacement", scenarios) if references else []
+    drawn = []
+    for cycle in cycles:
+        c = style.canvas(f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}")
+        c.leaders = False
+        frames = []
+        for curve in curves:
+            table = lateral_profile(curve, cycle)
+            if table.empty:
+                continue
+            depth = MM * table.index.to_numpy()
+            colour = curve.colour
+            if (table["high"] > table["low"]).any():
+                c.axes.fill_betweenx(
+                    depth, MM * table["low"], MM * table["high"], color=colour, alpha=0.18, linewidth=0
+                )
+            c.axes.plot(
+                MM * table["value"],
+                depth,
+                color=colour,
+                markersize=4.2,
+                markeredgewidth=1.0,
+                markerfacecolor=PAPER if curve.code == "yade" else colour,
+                **curve.look,
+            )
+            c.labels.append((0.0, depth[-1], curve.tag, colour))
+            frames.append(
+                table.rename(columns={k: f"lateral_{k}_m" for k in table})
+                .rename_axis("depth_m")
+                .reset_index()
+                .assign(
+                    profile=curve.main.profile,
+                    scenario=curve.scenario,
+                    code=curve.code,
+                    seeds=len(curve.runs),
+                    cycle=cycle,
+                )
+            )
+        if not frames:
+            c.axes.text(
+                0.5,
+                0.5,
+                f"no run has reached\ncycle {cycle} yet",
+                transform=c.axes.transAxes,
+                ha="center",
+                va="center",
+                color=SOFT,
+                fontsize=9,
+            )
+        rows = (
+            reference_rows(g.references, "lateral_displacement", scenarios, cycle=cycle)
+            if references
+            else pd.DataFrame()
+        )
+        if len(rows):
+            draw_references(c, rows, "depth_m", MM, across=True, scale=MM)
+        c.axes.set_ylim(335, -8)
+        c.axes.axvline(0, color=SOFT, linewidth=0.7, zorder=1)
+        c.axes.set(xlabel="outward displacement of the plates, mm", ylabel="depth below the sleeper, mm")
+        c.axes.set_title(f"after {cycle} cycle{'s' if cycle > 1 else ''}")
+        pending_mark(c, pending)
+        c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
+        drawn.append(c)
+    return g.finish(name, title, caption, drawn, runs, curves, pending)
+
+
+def lateral_profile(curve: Curve, cycle: int) -> pd.DataFrame:
+    """Value, low and high of lateral displacement (m) against the depth of the plates' middles below the sleeper base
+    (m).
+    """
+    profiles = {
+        run.id: quantities.lateral_profile(run, [cycle]).dropna().set_index("depth_m")["lateral_m"]
+        for run in curve.runs
+    }
+    together = pd.DataFrame({name: profile for name, profile in profiles.items() if len(profile)}).sort_index()
+    if together.empty:
+        return pd.DataFrame(columns=["value", "low", "high"])
+    shown = together.get(curve.main.id, together.iloc[:, 0])
+    return pd.DataFrame({"value": shown, "low": together.min(axis=1), "high": together.max(axis=1)})
+
+
+def shown_cycles(runs: Iterable[Run]) -> list[int]:
+    """Cycles to show profiles at: the paper's 1, 100, 1000 where some run has them, and the last that most runs
+    share.
+    """
+    ends = [int(run.cycles["cycle"].max()) for run in runs if len(run.cycles)]
+    if not ends:
+        return []
+    chosen = {n for n in PROFILE_CYCLES if n <= max(ends)}
+    if max(chosen) * 2 <= min(ends) or len(chosen) == 1:
+        chosen.add(min(ends))
+    return sorted(chosen)

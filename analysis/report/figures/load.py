@@ -1,0 +1,191 @@
+"""The load: how closely it is met, its signal, stiffness and losses within a cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from analysis.comparison import quantities
+from analysis.normalised.readers import Run
+from analysis.report import style
+from analysis.report.figures.drawing import curve_rows, cycle_axis, draw, last_cycle_of
+from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.names import KPA, MM, short_name
+from analysis.report.style import CODE_NAMES, SOFT
+
+
+def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+    """Tracking error per cycle, and the extremes of the measured stress against their targets."""
+    curves = g.curves(runs)
+    if not curves:
+        return None
+    error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
+    for curve in curves:
+        top = curve.setup["loading.stress_max"] if curve.setup else 460e3
+        draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top)
+    for limit, text in ((1, "aim, linear bed"), (2, "aim, nonlinear bed")):
+        error.axes.axhline(limit, color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)), zorder=1)
+        error.axes.text(
+            0.015,
+            limit,
+            text,
+            fontsize=7,
+            color=SOFT,
+            va="bottom",
+            ha="left",
+            transform=error.axes.get_yaxis_transform(),
+        )
+    error.axes.set_ylabel("rms error, % of maximum stress")
+    error.axes.set_ylim(bottom=0)
+    error.hover_unit = "%"
+    cycle_axis(error, last_cycle_of(curves), False)
+    error.table = curve_rows(curves, ["cycle", "tracking_rms_Pa"])
+
+    extremes = style.canvas(f"{name}-extremes", "Largest and smallest sleeper stress per cycle minus their targets")
+    for curve in curves:
+        if curve.setup is None:
+            continue
+        for column, target, end in (
+            ("sleeper_stress_max_Pa", "loading.stress_max", "max"),
+            ("sleeper_stress_min_Pa", "loading.stress_min", "min"),
+        ):
+            draw(
+                extremes,
+                curve,
+                curve.column(column) - curve.setup[target],
+                KPA,
+                name=f"{curve.label} {end}",
+                label=end == "max",
+                alpha=1.0 if end == "max" else 0.55,
+            )
+    extremes.axes.axhline(0, color=SOFT, linewidth=0.7, zorder=1)
+    extremes.axes.set_ylabel("measured minus target stress, kPa")
+    extremes.hover_unit = "kPa"
+    cycle_axis(extremes, last_cycle_of(curves), False)
+    extremes.table = curve_rows(curves, ["cycle", "sleeper_stress_min_Pa", "sleeper_stress_max_Pa"])
+    return g.finish(name, title, caption, [error, extremes], runs, curves)
+
+
+def stress_figure(
+    g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str, cycles: int = 3
+) -> Figure | None:
+    """The paper's Figure 6: vertical stress on the sleeper against time, target and what each run measured."""
+    curves = [curve for curve in g.curves(runs) if len(curve.main.history)]
+    setup = next((curve.setup for curve in curves if curve.setup is not None), None)
+    if setup is None:
+        return None
+    panels = []
+    for code in sorted({curve.code for curve in curves}):
+        c = style.canvas(
+            f"{name}-{code}",
+            f"Vertical stress on the sleeper, target and measured, {CODE_NAMES.get(code, code)}",
+            right=1.2,
+        )
+        time = np.linspace(0, cycles / setup["loading.frequency"], 400)
+        low, high = setup["loading.stress_min"], setup["loading.stress_max"]
+        target = (high + low) / 2 - (high - low) / 2 * np.cos(2 * np.pi * setup["loading.frequency"] * time)
+        c.axes.plot(1e3 * time, KPA * target, color=SOFT, linewidth=3.4, alpha=0.35, solid_capstyle="butt")
+        c.labels.append((1e3 * time[-1], KPA * target[-1], "target", SOFT))
+        frames = []
+        for curve in (curve for curve in curves if curve.code == code):
+            history = curve.main.history
+            part = history[history["cycle"] <= cycles + 1e-9]
+            c.axes.plot(1e3 * part["time_s"], KPA * part["sleeper_stress_Pa"], color=curve.colour, linewidth=1.1)
+            c.labels.append(
+                (
+                    1e3 * part["time_s"].iloc[-1],
+                    KPA * part["sleeper_stress_Pa"].iloc[-1],
+                    short_name(curve.scenario),
+                    curve.colour,
+                )
+            )
+            frames.append(part[["time_s", "cycle", "sleeper_target_Pa", "sleeper_stress_Pa"]].assign(run=curve.main.id))
+        c.axes.set(xlabel="time from the start of loading, ms", ylabel="stress on the sleeper, kPa")
+        c.axes.set_title(CODE_NAMES.get(code, code))
+        c.axes.set_ylim(0, 1.12 * KPA * high)
+        c.table = pd.concat(frames, ignore_index=True)
+        panels.append(c)
+    return g.finish(name, title, caption, panels, [curve.main for curve in curves])
+
+
+def stroke_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+    """Resilient stroke, secant stiffness and loop energy per cycle."""
+    curves = g.curves(runs)
+    measured = {curve.label: quantities.per_cycle(curve.main).set_index("cycle") for curve in curves}
+    drawn = []
+    for column, label, factor, unit in (
+        ("resilient_stroke_m", "resilient stroke, mm", MM, "mm"),
+        ("secant_stiffness_N_m", "secant stiffness, kN/mm", 1e-6, "kN/mm"),
+        ("loop_energy_J", "work lost per cycle, J", 1.0, "J"),
+    ):
+        c = style.canvas(f"{name}-{column}", label, height=2.7)
+        for curve in curves:
+            values = measured[curve.label][column].dropna()
+            draw(c, curve, pd.DataFrame({"value": values, "low": values, "high": values}), factor)
+        if not c.series:
+            continue
+        c.axes.set_ylabel(label)
+        c.hover_unit = unit
+        cycle_axis(c, last_cycle_of(curves), False)
+        c.table = pd.concat(
+            [measured[curve.label][[column]].reset_index().assign(run=curve.main.id) for curve in curves],
+            ignore_index=True,
+        )
+        drawn.append(c)
+    return g.finish(name, title, caption, drawn, [curve.main for curve in curves], curves)
+
+
+def loop_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+    """Stress on the sleeper against its settlement in a few cycles, one panel per scenario."""
+    curves = [curve for curve in g.curves(runs) if len(curve.main.history)]
+    drawn = []
+    for scenario in dict.fromkeys(curve.scenario for curve in curves):
+        members = [curve for curve in curves if curve.scenario == scenario]
+        c = style.canvas(f"{name}-{scenario}", f"Stress against settlement, {short_name(scenario)}", right=1.2)
+        frames = []
+        for curve in members:
+            history = curve.main.history
+            last = int(np.floor(history["cycle"].max() + 1e-9))
+            for cycle in sorted({1, last}):
+                part = history[(history["cycle"] >= cycle - 1 - 1e-9) & (history["cycle"] <= cycle + 1e-9)]
+                if len(part) < 8:
+                    continue
+                c.axes.plot(
+                    MM * part["settlement_m"],
+                    KPA * part["sleeper_stress_Pa"],
+                    color=curve.colour,
+                    linestyle=curve.look["linestyle"],
+                    linewidth=1.3,
+                    alpha=0.5 if cycle == 1 and last > 1 else 1,
+                )
+                end = part.loc[part["sleeper_stress_Pa"].idxmax()]
+                if curve is members[0]:
+                    c.axes.annotate(
+                        f"cycle {cycle}",
+                        (MM * end["settlement_m"], KPA * end["sleeper_stress_Pa"]),
+                        (0, 4),
+                        textcoords="offset points",
+                        fontsize=7.5,
+                        color=curve.colour,
+                        ha="center",
+                    )
+                frames.append(part[["cycle", "settlement_m", "sleeper_stress_Pa"]].assign(run=curve.main.id))
+            if frames:
+                c.labels.append(
+                    (
+                        MM * part["settlement_m"].iloc[-1],
+                        KPA * part["sleeper_stress_Pa"].iloc[-1],
+                        CODE_NAMES.get(curve.code, curve.code),
+                        curve.colour,
+                    )
+                )
+        if not frames:
+            continue
+        c.axes.set(xlabel="settlement, mm", ylabel="stress on the sleeper, kPa")
+        c.axes.set_ylim(0, 520)
+        c.axes.set_title(short_name(scenario))
+        c.table = pd.concat(frames, ignore_index=True)
+        drawn.append(c)
+    return g.finish(name, title, caption, drawn, [curve.main for curve in curves], curves)

@@ -1,0 +1,120 @@
+"""Porosity in the measurement spheres, and where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+from matplotlib.patches import Circle, Rectangle
+
+from analysis.normalised import tables
+from analysis.normalised.readers import Run
+from analysis.report import style
+from analysis.report.figures.drawing import (
+    curve_rows,
+    cycle_axis,
+    draw,
+    draw_references,
+    last_cycle_of,
+    pending_mark,
+    pending_names,
+)
+from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.names import MM, SPHERE_NAMES, short_name
+from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
+
+
+def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+    """Porosity of the three measurement spheres against cycles, one panel per scenario."""
+    curves = g.curves(runs)
+    drawn = []
+    pending = pending_names(g.references, "porosity", {c.scenario for c in curves})
+    for scenario in dict.fromkeys(curve.scenario for curve in curves):
+        members = [curve for curve in curves if curve.scenario == scenario]
+        family = members[0].family
+        c = style.canvas(f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}")
+        for curve in members:
+            for k, sphere in enumerate(SPHERE_NAMES, start=1):
+                colour = style.shade(family, k - 2.0)
+                table = curve.column(f"porosity_{k}", "microstructure")
+                if table.empty:
+                    table = curve.column(f"porosity_{k}")
+                draw(
+                    c,
+                    curve,
+                    table,
+                    1.0,
+                    colour=colour,
+                    name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
+                    tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""),
+                )
+        rows = g.references.curve("porosity", scenario=scenario)
+        if len(rows):
+            draw_references(c, rows, "cycle", 1.0)
+        c.axes.set_ylabel("porosity")
+        cycle_axis(c, last_cycle_of(members), False)
+        c.axes.set_title(short_name(scenario))
+        pending_mark(c, pending)
+        c.table = curve_rows(
+            members, ["cycle", *(f"porosity_{k}" for k in tables.SPHERES), "porosity_error"], "microstructure"
+        )
+        drawn.append(c)
+    return g.finish(name, title, caption, drawn, runs, curves, pending)
+
+
+def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
+    """The paper's Figure 13a: where the measurement spheres are."""
+    box = derived.apparatus(setup)
+    c = style.canvas(
+        "figure13a-spheres",
+        "Measurement spheres under the sleeper, side view",
+        width=4.7,
+        height=3.0,
+        left=0.62,
+        right=0.2,
+    )
+    c.axes.add_patch(Rectangle((0, 0), MM * box.length_m, MM * box.height_m, fill=False, edgecolor=SOFT, linewidth=1))
+    low, high = box.sleeper.low, box.sleeper.high
+    c.axes.add_patch(
+        Rectangle((0, MM * low[2]), MM * high[0], MM * (high[2] - low[2]), facecolor=SOFT, alpha=0.35, linewidth=0)
+    )
+    c.axes.text(MM * high[0] / 2, MM * (low[2] + high[2]) / 2, "sleeper", ha="center", va="center", fontsize=8.5)
+    for number, plate in enumerate(box.plates, start=1):
+        c.axes.add_patch(
+            Rectangle(
+                (MM * plate.low[0], MM * plate.low[2]),
+                24,
+                MM * (plate.high[2] - plate.low[2]),
+                facecolor=SOFT,
+                linewidth=0,
+            )
+        )
+        c.axes.text(
+            MM * plate.low[0] + 34, MM * (plate.low[2] + plate.high[2]) / 2, str(number), va="center", fontsize=8
+        )
+    for k, (x, _, z) in enumerate(box.measurement_centres_m):
+        colour = style.shade("linear", k - 1.0)
+        c.axes.add_patch(
+            Circle((MM * x, MM * z), MM * box.measurement_radius_m, facecolor=colour, alpha=0.25, edgecolor=colour)
+        )
+        c.axes.text(MM * x, MM * z, f"{k + 1}\n{SPHERE_NAMES[k]}", ha="center", va="center", fontsize=8.5, color=colour)
+    c.axes.set(
+        xlim=(-20, 880), ylim=(-12, 495), xlabel="along the sleeper x, mm", ylabel="height z, mm", aspect="equal"
+    )
+    c.axes.grid(False)
+    c.table = pd.DataFrame(
+        [
+            {"sphere": k + 1, "x_m": x, "y_m": y, "z_m": z, "radius_m": box.measurement_radius_m}
+            for k, (x, y, z) in enumerate(box.measurement_centres_m)
+        ]
+    )
+    return g.finish(
+        "figure13a",
+        "Figure 13a remade: the measurement spheres",
+        "Radius 134 mm (reported); the centres follow from the "
+        "apparatus (derived). 1 lies under the rail seat, 3 at the shoulder, behind the movable plates 1 to 5.",
+        [c],
+        [],
+    )

@@ -1,0 +1,88 @@
+"""Settlement against cycles, and its shape beside published laws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from analysis.normalised.readers import Run
+from analysis.reference.settlement_laws import settlement_laws
+from analysis.report import style
+from analysis.report.figures.drawing import (
+    curve_rows,
+    cycle_axis,
+    draw,
+    draw_references,
+    last_cycle_of,
+    pending_mark,
+    pending_names,
+    reference_rows,
+    with_start,
+)
+from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.names import MM
+from analysis.report.style import SOFT
+
+
+def settlement_figure(
+    g: Gallery,
+    runs: Sequence[Run],
+    name: str,
+    title: str,
+    caption: str,
+    references: bool = True,
+    log_only: bool = False,
+) -> Figure | None:
+    """Settlement at minimum load against cycles, on a linear and on a logarithmic axis."""
+    curves = g.curves(runs)
+    if not curves:
+        return None
+    scenarios = {curve.scenario for curve in curves}
+    pending = pending_names(g.references, "settlement", scenarios) if references else []
+    rows = reference_rows(g.references, "settlement", scenarios) if references else None
+    drawn = []
+    for log in (True,) if log_only else (False, True):
+        c = style.canvas(
+            f"{name}-{'log' if log else 'linear'}", f"{title}, {'logarithmic' if log else 'linear'} cycle axis"
+        )
+        for curve in curves:
+            table = curve.column("settlement_m")
+            draw(c, curve, table if log else with_start(table), MM)
+        if rows is not None and len(rows):
+            draw_references(c, rows[rows["cycle"] > 0] if log else rows, "cycle", MM)
+        c.axes.invert_yaxis()
+        c.axes.set_ylabel("settlement at minimum load, mm")
+        c.hover_unit = "mm"
+        cycle_axis(c, last_cycle_of(curves), log)
+        pending_mark(c, pending)
+        c.table = curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"])
+        drawn.append(c)
+    return g.finish(name, title, caption, drawn, runs, curves, pending)
+
+
+def shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+    """Settlement over that after the first cycle, with published laws: shapes alone."""
+    curves = [curve for curve in g.curves(runs) if curve.main.cycles["cycle"].max() >= 2]
+    if not curves:
+        return None
+    c = style.canvas(name, title, right=1.9, width=5.6)
+    last, frames = last_cycle_of(curves), []
+    for curve in curves:
+        table = curve.column("settlement_m")[["value"]]
+        first = table["value"].get(1, np.nan)
+        if not first > 0:
+            continue
+        draw(c, curve, pd.DataFrame({n: table["value"] / first for n in ("value", "low", "high")}), 1.0)
+        frames.append(pd.DataFrame({"cycle": table.index, "shape": table["value"] / first, "curve": curve.main.id}))
+    cycles = np.geomspace(1, max(last, 2), 60)
+    for law in settlement_laws():
+        shape = law.ratio(cycles)
+        c.axes.plot(cycles, shape, color=SOFT, linewidth=1, linestyle=(0, (3, 1.5)), zorder=1)
+        c.labels.append((cycles[-1], shape[-1], law.label, SOFT))
+        frames.append(pd.DataFrame({"cycle": cycles, "shape": shape, "curve": law.id}))
+    c.axes.set_ylabel("settlement over that after the first cycle")
+    cycle_axis(c, last, True)
+    c.table = pd.concat(frames, ignore_index=True)
+    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)

@@ -1,0 +1,136 @@
+"""Every parameter with its status and source, and what runs say about the assumed ones."""
+
+from __future__ import annotations
+
+from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, last_cycle
+from analysis.report.names import MM
+from analysis.report.words import Column, Table, number, shown
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario, load_scenario
+from analysis.scenarios.schema import STATUSES
+
+STATUS_KIND = {"reported": "good", "derived": "calm", "assumed": "open", "calibrated": "bad"}
+
+STATUS_TEXT = {
+    "reported": "Printed in the paper.",
+    "derived": "Follows from reported values; the source says how.",
+    "assumed": "Nobody's value is known: a knob for sensitivity studies.",
+    "calibrated": "Tuned by this project; the source says to what. What it was tuned to is no evidence any more.",
+}
+
+
+def assumptions(book: Book) -> dict:
+    """Every parameter with status and source, and what runs say about the assumed ones."""
+    names = known_scenarios()
+    scenarios = {name: load_scenario(name, "full") for name in names}
+    base = scenarios.get(KEY_SCENARIOS[0]) or next(iter(scenarios.values()), None)
+    groups: dict[str, list] = {}
+    for key, p in (base.parameters if base else {}).items():
+        section = key.rpartition(".")[0]
+        groups.setdefault(section, []).append(
+            {
+                "key": key,
+                "value": shown(p.value),
+                "unit": p.unit if p.unit != "-" else "",
+                "status": p.status,
+                "kind": STATUS_KIND[p.status],
+                "source": p.source,
+            }
+        )
+    counts = {s: sum(p["status"] == s for group in groups.values() for p in group) for s in STATUSES}
+    table, missing = sensitivity(book)
+    return {
+        "statuses": [{"name": s, "kind": STATUS_KIND[s], "count": counts[s], "text": STATUS_TEXT[s]} for s in STATUSES],
+        "groups": [{"name": name, "parameters": entries} for name, entries in groups.items()],
+        "derived": derived_table(base) if base else None,
+        "differences": difference_table(scenarios),
+        "base": base.name if base else "",
+        "sensitivity": table,
+        "sensitivity_missing": missing,
+    }
+
+
+def difference_table(scenarios: dict[str, Scenario]) -> Table:
+    """Every scenario with the parameters in which any two of them differ."""
+    sets = list(scenarios.values())
+    keys = [key for key in (sets[0].parameters if sets else ()) if any(s[key] != sets[0][key] for s in sets)]
+    columns = [Column("scenario"), *(Column(key.replace(".", ". ").replace("_", " "), True) for key in keys)]
+    rows = [[name, *(shown(s[key]) for key in keys)] for name, s in scenarios.items()]
+    return Table("Parameters in which any two scenarios differ, SI units", columns, rows)
+
+
+def derived_table(s: Scenario) -> Table:
+    """Quantities that follow from the parameters."""
+    clump, box, grid = derived.clump(s), derived.apparatus(s), derived.time_grid(s)
+    rows = [
+        ("radius of the two spheres", number(clump.radius_m, 5, MM), "mm"),
+        ("distance of their centres", number(2 * clump.half_distance_m, 5, MM), "mm"),
+        ("clump volume", number(clump.volume_m3, 5, 1e6), "cm³"),
+        ("clump mass", number(clump.mass_kg, 5, 1e3), "g"),
+        ("inertia about the axis", number(clump.inertia_axial_kgm2, 5), "kg m²"),
+        ("inertia across it", number(clump.inertia_transverse_kgm2, 5), "kg m²"),
+        ("sleeper area", number(box.sleeper_area_m2, 5), "m²"),
+        ("area of a plate", number(box.plate_area_m2, 5), "m²"),
+        (
+            "force on the sleeper at 50 and 460 kPa",
+            f"{number(50e3 * box.sleeper_area_m2, 4, 1e-3)}, {number(460e3 * box.sleeper_area_m2, 4, 1e-3)}",
+            "kN",
+        ),
+        ("space for ballast", number(box.ballast_volume_m3, 4), "m³"),
+        ("time step", number(grid.step_s, 4), "s"),
+        ("steps per cycle", str(grid.steps_per_cycle), ""),
+    ]
+    return Table(
+        f"Of {s.name} at full size",
+        [Column("quantity"), Column("value", True), Column("unit")],
+        [list(r) for r in rows],
+    )
+
+
+def sensitivity(book: Book) -> tuple[Table, str]:
+    """Pairs of runs of one code, profile and seed that differ in a single assumed or calibrated parameter."""
+    table = Table(
+        "Runs that differ in one assumed or calibrated parameter only, after the last cycle they share",
+        [
+            Column("parameter"),
+            Column("value", True),
+            Column("against", True),
+            Column("run"),
+            Column("against run"),
+            Column("cycle", True),
+            Column("settlement, mm", True),
+            Column("against", True),
+            Column("change, %", True),
+        ],
+    )
+    runs = [run for run in book.runs if len(run.cycles) and run.scenario is not None]
+    for n, run in enumerate(runs):
+        for other in runs[n + 1 :]:
+            if (run.profile, run.code, run.seed) != (other.profile, other.code, other.seed):
+                continue
+            keys = changed_keys(run, other)
+            if len(keys) != 1 or not {
+                run.scenario.parameters[keys[0]].status,
+                other.scenario.parameters[keys[0]].status,
+            } & {"assumed", "calibrated"}:
+                continue
+            cycle = min(last_cycle(run), last_cycle(other))
+            a, b = (float(r.cycles.set_index("cycle")["settlement_m"].loc[cycle]) for r in (run, other))
+            table.rows.append(
+                [
+                    keys[0],
+                    shown(other.scenario[keys[0]]),
+                    shown(run.scenario[keys[0]]),
+                    other.id,
+                    run.id,
+                    str(cycle),
+                    number(b, 3, MM),
+                    number(a, 3, MM),
+                    number(100 * (b / a - 1), 2) if a else "–",
+                ]
+            )
+    return table, (
+        "No two runs of one code and seed differ in just one assumed or calibrated parameter yet. Add a scenario to "
+        "scenarios.toml that is based on another and changes "
+        "one such value, run it, and it is listed here."
+    )

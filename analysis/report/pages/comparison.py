@@ -1,0 +1,367 @@
+"""The page that sets both codes next to each other."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from analysis.comparison import compare, quantities
+from analysis.normalised import beds, tables
+from analysis.normalised.readers import Run
+from analysis.report.book import (
+    PROFILE_TEXT,
+    Book,
+    changed_keys,
+    code_of,
+    is_variant,
+    last_cycle,
+    name_of,
+    overview_runs,
+    start_of_loading,
+)
+from analysis.report.figures.lateral import PROFILE_CYCLES
+from analysis.report.figures.load import loop_figure, stroke_figure
+from analysis.report.figures.microstructure import microstructure_figure
+from analysis.report.names import MM, short_name
+from analysis.report.style import CODE_NAMES
+from analysis.report.words import Chip, Column, Table, number, plural, quantity_name
+
+AGREEMENT_BRIEF = ("settlement_m", "lateral_mean_m", "resilient_stroke_m", "porosity_2", "coordination_number")
+AGREEMENT_SHOWN = (
+    "settlement_m",
+    "settlement_peak_m",
+    "lateral_mean_m",
+    "resilient_stroke_m",
+    "secant_stiffness_N_m",
+    "porosity_1",
+    "porosity_2",
+    "porosity_3",
+    "coordination_number",
+    "late_slope_m",
+    "tracking_worst_Pa",
+    "clumps",
+)
+
+
+def agreement_table(book: Book, profile: str, shown: Sequence[str] = AGREEMENT_SHOWN) -> Table | None:
+    """The codes next to each other after the last cycle that all runs of a scenario share."""
+    rows = book.agreement(profile)
+    rows = rows[rows["quantity"].isin(shown)]
+    if rows.empty:
+        return None
+    rows = rows[rows.groupby("scenario")["cycle"].transform("max") == rows["cycle"]]
+    table = Table(
+        "Agreement between the codes after the last cycle that all runs of a scenario have finished",
+        [
+            Column("scenario"),
+            Column("quantity"),
+            Column("cycle", True),
+            Column("LIGGGHTS", True),
+            Column("YADE", True),
+            Column("difference", True),
+            Column("ratio", True),
+            Column("seeds", True),
+            Column("verdict"),
+        ],
+    )
+    for r in rows.itertuples():
+        label, factor, _ = quantity_name(r.quantity, r.unit)
+        verdict = {True: Chip("within seeds", "good"), False: Chip("beyond seeds", "bad")}.get(
+            r.within_scatter, Chip("one seed each", "calm")
+        )
+        table.rows.append(
+            [
+                short_name(r.scenario),
+                label,
+                str(int(r.cycle)),
+                number(r.liggghts_mean, 4, factor),
+                number(r.yade_mean, 4, factor),
+                number(r.difference if abs(r.difference) > 1e-9 * abs(r.yade_mean) else 0.0, 2, factor),
+                number(r.ratio, 3),
+                f"{int(r.liggghts_seeds)}, {int(r.yade_seeds)}",
+                verdict,
+            ]
+        )
+    table.note = (
+        "Means over seeds; difference and ratio are LIGGGHTS against YADE. Within seeds: the difference is at most "
+        "twice its standard error from the scatter between "
+        "packing seeds. With one seed in each code that scatter is unknown and a difference proves nothing."
+    )
+    return table
+
+
+def comparison(book: Book) -> dict:
+    """Both codes next to each other."""
+    sections = []
+    for profile in book.profiles:
+        g = book.gallery
+        title, _ = PROFILE_TEXT.get(profile, (f"Profile {profile}", ""))
+        few = overview_runs(book, profile)[0]
+        parts = [
+            {
+                "heading": "After the same cycle",
+                "table": agreement_table(book, profile),
+                "missing": "It needs a run of the same scenario in both codes.",
+            },
+            {"heading": "Lateral displacement of the plates", "table": lateral_table(book, profile)},
+            {
+                "heading": "The same bed: two codes, and two time steps",
+                "text": "Both codes, or one code with two time steps, from the very same packed bed: what the codes "
+                "differ by "
+                "is to be read against what a smaller time step changes.",
+                "table": same_bed_table(book, profile),
+                "missing": "It needs runs of one scenario from one bed (BED=…) in both codes, and of one code with "
+                "another time step.",
+            },
+            {"heading": "Packed beds and seeds", "table": seed_table(book, profile)},
+            {
+                "heading": "Response within a cycle",
+                "figure": stroke_figure(
+                    g,
+                    few,
+                    f"strokes-{profile}",
+                    "Stiffness and losses",
+                    "Resilient stroke: settlement at maximum minus that at the next minimum load. Secant stiffness: "
+                    "range of the "
+                    "sleeper's load over that stroke. Work lost: area of the loop of load against settlement, with "
+                    "its permanent part.",
+                ),
+            },
+            {
+                "figure": loop_figure(
+                    g,
+                    [run for run in few if run.seed == 1],
+                    f"loops-{profile}",
+                    "Stress against settlement",
+                    "First (paler) and last cycle. The area of a loop is the work lost in the cycle; its extent along "
+                    "the settlement axis is the resilient stroke.",
+                )
+            },
+            {
+                "heading": "Inside the bed",
+                "figure": microstructure_figure(
+                    g,
+                    few,
+                    f"micro-{profile}",
+                    "Inside the bed",
+                    "Contacts per clump, largest overlap, share of sliding contacts, mean rotation since the end of "
+                    "preload, heave of the cribs, and shoulder bulge.",
+                    [
+                        ("coordination_number", "contacts per clump", 1, ""),
+                        ("overlap_max_ratio", "largest overlap, % of radius", 100, "%"),
+                        ("sliding_share", "sliding contacts, %", 100, "%"),
+                        ("rotation_mean_rad", "mean rotation, degrees", 180 / np.pi, "°"),
+                        ("crib_heave_m", "heave of the cribs, mm", MM, "mm"),
+                        ("bulge_volume_m3", "shoulder bulge, cm³", 1e6, "cm³"),
+                    ],
+                ),
+            },
+            *quantity_parts(book, profile),
+        ]
+        sections.append(
+            {
+                "title": title,
+                "text": "",
+                "parts": [part for part in parts if part.get("table") or part.get("figure") or part.get("missing")],
+            }
+        )
+    return {"sections": sections}
+
+
+def lateral_table(book: Book, profile: str) -> Table | None:
+    """How alike the lateral profiles of both codes are."""
+    rows = compare.lateral_agreement(book.of(profile), PROFILE_CYCLES)
+    table = Table(
+        "Profiles over the five plates, LIGGGHTS against YADE",
+        [
+            Column("scenario"),
+            Column("cycle", True),
+            Column("rms difference, mm", True),
+            Column("ratio of means", True),
+            Column("correlation", True),
+        ],
+    )
+    table.rows = [
+        [short_name(r.scenario), str(r.cycle), number(r.rms_m, 3, MM), number(r.ratio, 3), number(r.correlation, 3)]
+        for r in rows.itertuples()
+    ]
+    return table if table.rows else None
+
+
+def seed_table(book: Book, profile: str) -> Table | None:
+    """Packed and preloaded beds of all runs, and their spread where a code has several seeds."""
+    table = Table(
+        "Beds at the end of preload",
+        [
+            Column("run"),
+            Column("clumps", True),
+            Column("porosity 1, 2, 3", True),
+            Column("mean porosity", True),
+            Column("contacts per clump", True),
+            Column("mean overlap, µm", True),
+            Column("largest overlap, % of radius", True),
+            Column("preload settlement, mm", True),
+            Column("plates in preload, mm", True),
+        ],
+    )
+    groups: dict[tuple, list[list[float]]] = {}
+    for run in book.of(profile):
+        row = run.microstructure[run.microstructure["cycle"] == 0]
+        if row.empty:
+            continue
+        row, preload = row.iloc[0], start_of_loading(run)
+        porosity = row[[f"porosity_{k}" for k in tables.SPHERES]].astype(float)
+        clumps = run.cycles["clumps"].iloc[0]
+        values = [
+            clumps,
+            porosity.mean(),
+            row["coordination_number"],
+            1e6 * row["overlap_mean_m"],
+            100 * row["overlap_max_ratio"],
+            MM * preload.get("sleeper", np.nan),
+            MM * preload.get("plates", np.nan),
+        ]
+        table.rows.append(
+            [
+                name_of(run),
+                number(clumps, 6),
+                ", ".join(f"{v:.3f}" for v in porosity),
+                number(porosity.mean(), 3),
+                *(number(v, 3) for v in values[2:]),
+            ]
+        )
+        groups.setdefault((run.scenario_name, run.code), []).append(values)
+    for (scenario, code), values in groups.items():
+        if len(values) > 1:
+            mean, spread = np.mean(values, axis=0), np.std(values, axis=0, ddof=1)
+            cells = [f"{number(m, 4)} ± {number(d, 2)}" for m, d in zip(mean, spread)]
+            table.rows.append(
+                [
+                    f"{short_name(scenario)}, {CODE_NAMES.get(code, code)}: mean and standard deviation of "
+                    f"{len(values)} seeds",
+                    cells[0],
+                    "",
+                    *cells[1:],
+                ]
+            )
+    table.note = (
+        "The paper reports 4583 clumps (4429 in its nonlinear model) and a porosity of about 0.35 under the "
+        "sleeper. Preload displacements are known where raw output is on this machine."
+    )
+    return table if table.rows else None
+
+
+def bed_print(run: Run) -> str | None:
+    """What tells whether two runs began from the same packed bed: a print of its poses to a nanometre, or the bed's
+    path.
+    """
+    path = run.folder / "raw" / "bed_packed.csv"
+    try:
+        poses = beds.read_bed(path).drop(columns="id").to_numpy(dtype=float)
+    except ValueError:
+        return str(run.info["bed"]) if is_variant(run) else None
+    return hashlib.sha256(np.round(poses, 9).tobytes()).hexdigest()
+
+
+def same_bed_table(book: Book, profile: str) -> Table | None:
+    """Pairs of runs from the same bed that differ in the code alone, or in the time step alone."""
+    runs = [
+        run
+        for run in (*book.of(profile), *book.variants)
+        if run.profile == profile and len(run.cycles) and run.scenario is not None
+    ]
+    runs.sort(key=lambda run: (run.scenario_name, -run.scenario["time.step"], run.code))
+    prints = {run.id: bed_print(run) for run in runs}
+    table = Table(
+        "",
+        [
+            Column("scenario"),
+            Column("what differs"),
+            Column("first run"),
+            Column("second run"),
+            Column("quantity"),
+            Column("first", True),
+            Column("second", True),
+            Column("difference", True),
+            Column("difference, %", True),
+        ],
+    )
+    for n, one in enumerate(runs):
+        for other in runs[n + 1 :]:
+            if prints[one.id] is None or prints[one.id] != prints[other.id]:
+                continue
+            changed = changed_keys(one, other)
+            if one.code != other.code and not changed:
+                what = "code"
+            elif one.code == other.code and changed == ["time.step"]:
+                what = (
+                    f"time step, {number(one.scenario['time.step'], 3)} and {number(other.scenario['time.step'], 3)} s"
+                )
+            else:
+                continue
+            pairs = [
+                ("preload settlement, mm", start_of_loading(one).get("sleeper"), start_of_loading(other).get("sleeper"))
+            ]
+            a, b = (run.cycles.set_index("cycle")["settlement_m"] for run in (one, other))
+            pairs += [
+                (f"settlement after {plural(cycle, 'cycle')}, mm", a.get(cycle), b.get(cycle)) for cycle in range(1, 6)
+            ]
+            for quantity, first, second in pairs:
+                if first is None or second is None:
+                    continue
+                table.rows.append(
+                    [
+                        short_name(one.scenario_name),
+                        what,
+                        one.id,
+                        other.id,
+                        quantity,
+                        number(first, 3, MM),
+                        number(second, 3, MM),
+                        number(second - first, 2, MM),
+                        number(200 * (second - first) / (first + second), 2) if first + second else "–",
+                    ]
+                )
+    return table if table.rows else None
+
+
+def quantity_parts(book: Book, profile: str) -> list[dict]:
+    """Every quantity of every run after its last cycle, or the reason why it is missing: one table per scenario."""
+    parts, runs = [], book.of(profile)
+    for scenario in dict.fromkeys(run.scenario_name for run in runs):
+        members = [run for run in runs if run.scenario_name == scenario]
+        found = {run.id: last_values(quantities.summary(run)) for run in members}
+        table = Table(
+            f"All quantities after the last cycle of each run, {short_name(scenario)}",
+            [
+                Column("quantity"),
+                *(Column(f"{code_of(run)}, cycle {last_cycle(run)}", True) for run in members),
+            ],
+        )
+        reasons: dict[str, list[str]] = {}
+        for name in dict.fromkeys(name for values in found.values() for name in values.index):
+            cells, unit = [], next(values.at[name, "unit"] for values in found.values() if name in values.index)
+            label, factor, _ = quantity_name(name, unit)
+            for run in members:
+                r = found[run.id].loc[name] if name in found[run.id].index else None
+                cells.append("–" if r is None else number(r["value"], 4, factor))
+                if r is not None and r["missing"]:
+                    reasons.setdefault(
+                        f"{r['missing']} ({code_of(run)})",
+                        [],
+                    ).append(label)
+            table.rows.append([label, *cells])
+        table.note = "".join(f"Missing because {why}: {'; '.join(labels)}. " for why, labels in reasons.items())
+        parts.append({"heading": f"All quantities: {short_name(scenario)}", "table": table, "fold": True})
+    return parts
+
+
+def last_values(summary: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a run's last cycle, by quantity."""
+    rows = summary.sort_values("cycle", kind="stable")
+    there = rows[rows["missing"] == ""]
+    last = there["cycle"].max() if len(there) else 0
+    return rows[rows["cycle"] == last].drop_duplicates("quantity", keep="last").set_index("quantity")

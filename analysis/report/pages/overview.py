@@ -1,0 +1,239 @@
+"""The first page: what is known, what is pending, and the main figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from analysis.comparison import evidence
+from analysis.normalised import tables
+from analysis.normalised.readers import Run
+from analysis.report.book import (
+    PAPER_SCENARIO,
+    PROFILE_TEXT,
+    Book,
+    known_scenarios,
+    last_cycle,
+    name_of,
+    overview_runs,
+    tracking_percent,
+)
+from analysis.report.figures.beds import bed_figure
+from analysis.report.figures.gallery import family_of
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.load import tracking_figure
+from analysis.report.figures.porosity import porosity_figure
+from analysis.report.figures.settlement import settlement_figure
+from analysis.report.names import MM, short_name
+from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table
+from analysis.report.pages.runs import runs_table
+from analysis.report.style import CODE_NAMES
+from analysis.report.words import number, plural
+
+
+def overview(book: Book) -> dict:
+    """The first page."""
+    verdicts = book.verdicts
+    return {
+        "known": known(book, verdicts),
+        "pending": pending(book, verdicts),
+        "sections": [overview_section(book, p) for p in book.profiles],
+        "runs_table": runs_table(book.runs),
+        "results": book.results,
+        "problems": book.problems,
+    }
+
+
+def overview_section(book: Book, profile: str) -> dict:
+    """Figures and agreement of one profile."""
+    g, (runs, more) = book.gallery, overview_runs(book, profile)
+    title, text = PROFILE_TEXT.get(profile, (f"Profile {profile}", ""))
+    full = book.of(profile)
+    seeds = max(
+        (sum(1 for r in full if (r.scenario_name, r.code) == key) for key in {(r.scenario_name, r.code) for r in full}),
+        default=0,
+    )
+    band = (
+        "Lines are the longest run of each scenario and code, bands span its seeds."
+        if seeds > 1
+        else "One packing seed per curve, so there is no uncertainty to show."
+    )
+    ends = "; ".join(f"{name_of(run)} {last_cycle(run)}" for run in runs)
+    picture_runs = [run for run in runs if (run.folder / "bed_after.csv").exists() and run.code == "liggghts"] or [
+        run for run in runs if (run.folder / "bed_after.csv").exists()
+    ]
+    best = max(picture_runs, key=lambda run: (run.scenario_name == "nonlinear-en1.0", last_cycle(run)), default=None)
+    picture = (
+        bed_figure(
+            g,
+            [best] if best else [],
+            f"bed-{profile}",
+            "after",
+            "The bed after loading",
+            "Two-sphere clumps coloured by how far they moved since the end of preload; sleeper and plates as glass, "
+            "where they stand at the end.",
+        )
+        if best
+        else None
+    )
+    return {
+        "profile": profile,
+        "title": title,
+        "text": text,
+        "more": more,
+        "picture": picture,
+        "settlement": settlement_figure(
+            g,
+            runs,
+            f"settlement-{profile}",
+            "Settlement of the sleeper",
+            f"At minimum load, zero at the end of preload. {band} Cycles reached: {ends}.",
+        ),
+        "lateral": lateral_figure(
+            g,
+            runs,
+            f"lateral-{profile}",
+            "Lateral displacement of the plates",
+            f"Outward, at minimum load, at the mid-height of plates 5 (top) to 1 (bottom). {band} "
+            "The law by which the plates are held is an assumption and decides much of this figure.",
+        ),
+        "porosity": porosity_figure(
+            g,
+            runs,
+            f"porosity-{profile}",
+            "Porosity in the three measurement spheres",
+            "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is the end "
+            "of preload.",
+        ),
+        "tracking": tracking_figure(
+            g,
+            runs,
+            f"tracking-{profile}",
+            "Load tracking",
+            "How closely the contact force on the sleeper follows the prescribed stress: rms error over each cycle, "
+            "and the extremes of "
+            "each cycle minus their targets of 50 and 460 kPa (paler: minimum).",
+        ),
+        "agreement": agreement_table(book, profile, AGREEMENT_BRIEF),
+    }
+
+
+def known(book: Book, verdicts: Sequence) -> list[str]:
+    """What the runs show, in sentences with numbers."""
+    lines = []
+    for profile in book.profiles:
+        runs = book.of(profile)
+        codes = [CODE_NAMES.get(code, code) for code in sorted({run.code for run in runs})]
+        longest = max(runs, key=last_cycle)
+        where = {"full": "At full size", "demo": "On the demo slice"}.get(profile, f"At profile {profile}")
+        lines.append(
+            f"{where}: {plural(len(runs), 'run')} of {plural(len({r.scenario_name for r in runs}), 'scenario')} in "
+            f"{' and '.join(codes)}; "
+            f"the longest has {plural(last_cycle(longest), 'cycle')} ({name_of(longest)})."
+        )
+        if profile != book.profiles[0]:
+            continue  # the numbers of a smaller bed would only distract
+        for scenario in dict.fromkeys(run.scenario_name for run in overview_runs(book, profile)[0]):
+            parts = []
+            members = [run for run in runs if run.scenario_name == scenario]
+            common = min(last_cycle(run) for run in members)
+            for curve in book.gallery.curves(members):
+                values = curve.column("settlement_m").reindex([common]).iloc[0]
+                spread = (
+                    f" ({number(values['low'], 3, MM)} to {number(values['high'], 3, MM)}, {len(curve.runs)} seeds)"
+                    if len(curve.runs) > 1
+                    else ""
+                )
+                parts.append(f"{CODE_NAMES.get(curve.code, curve.code)} {number(values['value'], 3, MM)} mm{spread}")
+            single = "; single seed, no uncertainty" if len(members) == len({run.code for run in members}) else ""
+            lines.append(
+                f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
+            )
+        if profile == "full":
+            lines += packed_beds(runs)
+        worst = max(runs, key=lambda run: tracking_percent(run))
+        lines.append(
+            f"The load is met within {tracking_percent(worst):.2g} % rms of its maximum in every cycle of these runs "
+            f"(worst: {name_of(worst)})."
+        )
+    if len(book.verification):
+        passed, total = int(book.verification["passed"].sum()), len(book.verification)
+        lines.append(
+            f"Verification: {passed} of {total} comparisons of the contact laws and bodies with known answers pass."
+        )
+    for verdict, words in ((evidence.HOLDS, "hold"), (evidence.FAILS, "do not hold")):
+        found = claim_numbers(verdicts, verdict)
+        if found:
+            lines.append(f"Of the paper's eleven claims these {words}: {found}.")
+    return lines
+
+
+def packed_beds(runs: Sequence[Run]) -> list[str]:
+    """Clumps and porosity of the full-size beds at the end of preload, beside the paper's."""
+    starts = [
+        run.microstructure[run.microstructure["cycle"] == 0] for run in runs if family_of(run.scenario) == "linear"
+    ]
+    porosity = [row[[f"porosity_{k}" for k in tables.SPHERES]].iloc[0].mean() for row in starts if len(row)]
+    clumps = [run.cycles["clumps"].iloc[0] for run in runs if family_of(run.scenario) == "linear"]
+    if not porosity:
+        return []
+    held = " to ".join(dict.fromkeys(number(v, 5) for v in (min(clumps), max(clumps))))
+    mean = " to ".join(dict.fromkeys(f"{v:.3f}" for v in (min(porosity), max(porosity))))
+    return [
+        f"Linear beds hold {held} clumps (paper: 4583) at a mean porosity of {mean} under the sleeper (paper: "
+        f"about 0.35)."
+    ]
+
+
+def claim_numbers(verdicts: Sequence, verdict: str) -> str:
+    """Claims with that verdict by the codes that give it: `1, 2, 9 in both codes; 10 in YADE`."""
+    codes: dict[int, list[str]] = {}
+    for v in verdicts:
+        if v.verdict == verdict:
+            codes.setdefault(v.claim.number, []).append(CODE_NAMES.get(v.code, v.code))
+    groups: dict[str, list[str]] = {}
+    for n, found in sorted(codes.items()):
+        groups.setdefault("both codes" if len(found) > 1 else found[0], []).append(str(n))
+    return "; ".join(f"{', '.join(numbers)} in {where}" for where, numbers in groups.items())
+
+
+def pending(book: Book, verdicts: Sequence) -> list[str]:
+    """What is missing, and why it matters."""
+    lines = []
+    full = book.of("full")
+    if not full:
+        lines.append("No full-size run yet: nothing here is about the paper's bed.")
+    else:
+        missing = [
+            name
+            for name in known_scenarios()
+            if PAPER_SCENARIO.fullmatch(name) and name not in {run.scenario_name for run in full}
+        ]
+        if missing:
+            lines.append(f"{len(missing)} of the paper's 14 scenarios have no full-size run: {', '.join(missing)}.")
+        short = [run for run in full if last_cycle(run) < 1000]
+        if short:
+            which = "No full-size run has" if len(short) == len(full) else f"{len(short)} full-size runs have not"
+            lines.append(f"{which} reached the paper's 1000 cycles.")
+        groups = {(run.scenario_name, run.code) for run in full}
+        single = [key for key in groups if sum((run.scenario_name, run.code) == key for run in full) == 1]
+        if single:
+            which = "All" if len(single) == len(groups) else f"{len(single)} of {len(groups)}"
+            lines.append(f"{which} full-size curves rest on a single packing seed: they have no uncertainty.")
+    curves = book.references.pending
+    if len(curves):
+        lines.append(
+            f"{plural(len(curves), 'reference curve')} of {plural(curves['sidecar'].nunique(), 'figure')} are not "
+            f"digitised yet (experiment, Chen 2015, the paper's own): "
+            "no comparison with the experiment is possible until they are. reference_data/README.md says how to add "
+            "them."
+        )
+    open_claims = claim_numbers(verdicts, evidence.OPEN)
+    if open_claims:
+        lines.append(f"Claims not decidable yet: {open_claims}.")
+    if not len(book.verification):
+        lines.append("The verification of the contact laws has not been run (make verify).")
+    lines.append(
+        "Not known from the paper and assumed here: the clump's aspect (calibrated), the law that holds the plates, "
+        "the damping limit at small approach speed, and more; see Assumptions."
+    )
+    return lines

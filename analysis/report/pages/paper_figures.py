@@ -1,0 +1,341 @@
+"""The paper's figures remade, with the tables that belong to them."""
+
+from __future__ import annotations
+
+import math
+
+from analysis.comparison import compare, settlement
+from analysis.comparison.restitution import restitution_table
+from analysis.normalised.readers import Runs
+from analysis.report.book import (
+    KEY_SCENARIOS,
+    PAPER_SCENARIO,
+    Book,
+    known_scenarios,
+    last_cycle,
+    name_of,
+    overview_runs,
+)
+from analysis.report.figures.beds import bed_figure
+from analysis.report.figures.gallery import family_of
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.load import stress_figure
+from analysis.report.figures.porosity import porosity_figure, sphere_figure
+from analysis.report.figures.restitution import restitution_figure
+from analysis.report.figures.settlement import settlement_figure, shape_figure
+from analysis.report.names import MM, MODE_NAMES, SOURCE_NAMES, short_name
+from analysis.report.style import CODE_NAMES
+from analysis.report.words import Chip, Column, Table, interval, number
+from analysis.scenarios.scenario import load_scenario
+
+
+def paper_figures(book: Book) -> dict:
+    """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any."""
+    g = book.gallery
+    profile = book.profiles[0] if book.profiles else "full"
+    runs = book.of(profile)
+    by_name = {
+        name: [run for run in runs if run.scenario_name == name]
+        for name in dict.fromkeys(run.scenario_name for run in runs)
+    }
+    size = {"full": "full-size runs", "demo": "demo runs, a slice that is not the paper's bed"}.get(
+        profile, f"runs of profile {profile}"
+    )
+    waits = "It appears as soon as a run of one of its scenarios has finished a cycle."
+
+    def family(*names: str) -> Runs:
+        return Runs(run for run in runs if family_of(run.scenario) in names)
+
+    linear, undamped = family("linear"), family("nonlinear")
+    groups = [
+        bed_group(book, profile),
+        {
+            "title": "Figure 6: the load",
+            "missing": waits,
+            "figures": [
+                stress_figure(
+                    g,
+                    [run for run in runs if run.scenario_name in KEY_SCENARIOS and run.seed == 1] or runs[:2],
+                    "figure6",
+                    "Figure 6 remade: stress on the sleeper",
+                    "255 − 205 cos(2π · 20 Hz · t) kPa: the target (broad) and the contact force on the sleeper over "
+                    "its area.",
+                )
+            ],
+        },
+        {"title": "Figure 9: the damping modes", "figures": [restitution_figure(g)], "tables": [restitution_rows()]},
+        {
+            "title": "Figure 10: the linear model",
+            "missing": waits,
+            "figures": [
+                settlement_figure(
+                    g,
+                    linear,
+                    "figure10-settlement",
+                    "Figure 10 remade: settlement, linear contacts",
+                    "Friction 0.7, 0.8 and 0.9, between clumps and at walls.",
+                ),
+                lateral_figure(
+                    g,
+                    linear,
+                    "figure10-lateral",
+                    "Figure 10 remade: lateral displacement, linear contacts",
+                    "Over depth below the sleeper.",
+                ),
+            ],
+        },
+        {
+            "title": "Figure 11: settlement, nonlinear model",
+            "missing": waits,
+            "figures": [
+                settlement_figure(
+                    g,
+                    Runs([*undamped, *family(f"md{mode}")]),
+                    f"figure11-md{mode}",
+                    f"Figure 11 remade: settlement, Md {mode} ({MODE_NAMES[mode]})",
+                    "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
+                )
+                for mode in (0, 1, 2)
+                if family(f"md{mode}")
+            ]
+            or [
+                settlement_figure(
+                    g,
+                    undamped,
+                    "figure11-en1",
+                    "Figure 11 remade: settlement, nonlinear contacts, eₙ = 1",
+                    "The only nonlinear scenario with a run so far; eₙ = 1 is the same law in all damping modes.",
+                )
+            ],
+        },
+        {
+            "title": "Figure 12: lateral displacement, nonlinear model",
+            "missing": waits,
+            "figures": [
+                lateral_figure(
+                    g,
+                    Runs([*undamped, *family(f"md{mode}")]),
+                    f"figure12-md{mode}",
+                    f"Figure 12 remade: lateral displacement, Md {mode} ({MODE_NAMES[mode]})",
+                    "Over depth below the sleeper.",
+                )
+                for mode in (0, 1, 2)
+                if family(f"md{mode}")
+            ]
+            or [
+                lateral_figure(
+                    g,
+                    undamped,
+                    "figure12-en1",
+                    "Figure 12 remade: lateral displacement, nonlinear contacts, eₙ = 1",
+                    "Over depth below the sleeper.",
+                )
+            ],
+        },
+        {
+            "title": "Figure 13: porosity",
+            "missing": waits,
+            "figures": [
+                sphere_figure(g, load_scenario("linear-mu0.8", "full"))
+                if "linear-mu0.8" in known_scenarios()
+                else None,
+                porosity_figure(
+                    g,
+                    Runs(run for name in by_name if name in KEY_SCENARIOS for run in by_name[name]),
+                    "figure13",
+                    "Figure 13b, c remade: porosity during loading",
+                    "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is "
+                    "the end of preload.",
+                ),
+            ],
+        },
+    ]
+    groups.append(
+        {
+            "title": "The shape of settlement",
+            "missing": waits,
+            "figures": [
+                shape_figure(
+                    g,
+                    overview_runs(book, profile)[0],
+                    "settlement-shape",
+                    "Settlement over that of the first cycle",
+                    "Published laws as shapes (broken grey): their absolute size belongs to other loads and beds. "
+                    "Coefficients are transcribed from secondary quotation.",
+                )
+            ],
+            "tables": [law_table(book, profile), reference_scores(book)],
+        }
+    )
+    others = Runs(run for run in runs if not PAPER_SCENARIO.fullmatch(run.scenario_name))
+    if others:
+        groups.append(
+            {
+                "title": "Scenarios that are not the paper's",
+                "figures": [
+                    settlement_figure(
+                        g,
+                        others,
+                        "own-settlement",
+                        "Settlement, further scenarios",
+                        "Scenarios added to scenarios.toml.",
+                    ),
+                    lateral_figure(
+                        g,
+                        others,
+                        "own-lateral",
+                        "Lateral displacement, further scenarios",
+                        "Over depth below the sleeper.",
+                    ),
+                ],
+            }
+        )
+    for group in groups:
+        group["figures"] = [f for f in group["figures"] if f]
+    note = ""
+    if len(book.references.pending):
+        note = (
+            f"{len(book.references.pending)} reference curves are pending: no point of them is in the paper's text, "
+            f"and none is invented here. "
+            "Once digitised (reference_data/README.md) they are drawn in these figures and the claims are judged "
+            "against them."
+        )
+    return {
+        "lead": f"Drawn from {size}, in every code that has one."
+        if runs
+        else "There is no run yet; what needs none is shown.",
+        "groups": groups,
+        "reference_note": note,
+        "reference_problems": book.references.problems,
+    }
+
+
+def bed_group(book: Book, profile: str) -> dict:
+    """Figure 5: packed beds, and the force chains after loading."""
+    g = book.gallery
+    candidates = [run for run in book.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1]
+    candidates = candidates or list(book.of(profile))[:2]
+    packed, label = [run for run in candidates if (run.folder / "raw" / "bed_packed.csv").exists()], "packed"
+    packed = [run for run in packed if run.scenario and not run.scenario["packing.bed_from"]] or packed
+    if not packed:
+        packed, label = [run for run in candidates if (run.folder / "bed_before.csv").exists()], "before"
+    what = (
+        "after packing, before preload" if label == "packed" else "at the end of preload (the packed bed was not kept)"
+    )
+    return {
+        "title": "Figure 5: the bed",
+        "missing": "It needs a run whose beds are on this machine; committed runs have none.",
+        "figures": [
+            bed_figure(
+                g,
+                packed[:2],
+                "figure5",
+                label,
+                f"Figure 5 remade: the bed {what}",
+                "Each code packs its own bed by the paper's procedure from the same lattice and orientations.",
+            ),
+            bed_figure(
+                g,
+                candidates,
+                "force-chains",
+                "after",
+                "Force chains",
+                "Normal forces in a slab along the middle of the sleeper at minimum load; width and colour by force. "
+                "Not a figure of the paper.",
+                chains=True,
+            ),
+        ],
+    }
+
+
+def law_table(book: Book, profile: str) -> Table | None:
+    """Which law describes each settlement curve, and whether it has the exponential start."""
+    table = Table(
+        "Does settlement start exponentially? S = a + b (1 − exp(−N/c)) + d N against a logarithm, a power law and a "
+        "straight line",
+        [
+            Column("run"),
+            Column("cycles", True),
+            Column("best law"),
+            Column("exponential start"),
+            Column("b, mm", True),
+            Column("c, cycles", True),
+            Column("d, mm per 1000 cycles", True),
+            Column("why", wide=True),
+        ],
+    )
+    for run in book.of(profile):
+        choice = settlement.choose(run.cycles["cycle"], run.cycles["settlement_m"])
+        fit = choice.fits.get("exponential")
+        kind = {"yes": "good", "no": "bad"}.get(choice.exponential_start, "open")
+        cells = [interval(fit, name, factor) for name, factor in (("b", MM), ("c", 1.0), ("d", 1e6))]
+        table.rows.append(
+            [
+                name_of(run),
+                str(last_cycle(run)),
+                choice.best or "–",
+                Chip(choice.exponential_start, kind),
+                *cells,
+                choice.reason,
+            ]
+        )
+    table.note = (
+        "Chosen by the Bayesian information criterion; brackets: 95 % confidence intervals of the "
+        "exponential law, whichever law is best."
+    )
+    return table if table.rows else None
+
+
+def reference_scores(book: Book) -> Table | None:
+    """Runs against the reference curves that are there."""
+    rows = compare.reference_table([run for run in book.runs if len(run.cycles)], book.references)
+    table = Table(
+        "Settlement against the reference curves",
+        [
+            Column("run"),
+            Column("reference"),
+            Column("points", True),
+            Column("rms, mm", True),
+            Column("shift, mm", True),
+            Column("rms after the shift, mm", True),
+            Column("late slope, ratio", True),
+            Column("first cycle, ratio", True),
+            Column("within its error, %", True),
+            Column("after the shift, %", True),
+        ],
+    )
+    for r in rows.itertuples():
+        table.rows.append(
+            [
+                f"{r.profile}, {short_name(r.scenario)}, "
+                f"{CODE_NAMES.get(r.code, r.code)}{f', seed {r.seed}' if r.seed != 1 else ''}",
+                f"{SOURCE_NAMES.get(r.source, r.source)}: {r.curve}",
+                str(r.points),
+                number(r.rms_m, 3, MM),
+                number(r.shift_m, 3, MM),
+                number(r.rms_shifted_m, 3, MM),
+                number(r.late_slope_ratio, 3),
+                number(r.first_cycle_ratio, 3),
+                number(r.within_error, 3, 100),
+                number(r.within_error_shifted, 3, 100),
+            ]
+        )
+    table.note = (
+        "Over the cycles that both have, at the points of the reference. Shift: run minus reference, mean; "
+        "removed, it leaves the difference in shape."
+    )
+    return table if table.rows else None
+
+
+def restitution_rows() -> Table:
+    """Nominal against effective restitution at the paper's values of e_n."""
+    table = restitution_table().set_index(["damping_mode", "nominal_restitution"])
+    values = table["effective_restitution"].unstack()
+    return Table(
+        "What comes out of a free impact at the paper's nominal restitutions",
+        [Column("damping mode"), *(Column(f"eₙ = {e:g}", True) for e in values)],
+        [
+            [f"Md {mode}, {MODE_NAMES[mode]}", *("–" if math.isnan(v) else f"{v:.4f}" for v in row)]
+            for mode, row in zip(values.index, values.to_numpy(), strict=True)
+        ],
+    )

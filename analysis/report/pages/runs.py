@@ -1,0 +1,186 @@
+"""Where the numbers come from: every run with its state, versions and command."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from analysis.normalised import tables
+from analysis.normalised.readers import Run
+from analysis.report.book import Book, last_cycle, name_of, speed, state_of, timing, tracking_percent
+from analysis.report.figures.gallery import run_id
+from analysis.report.figures.load import tracking_figure
+from analysis.report.names import KPA, MM
+from analysis.report.words import Chip, Column, Table, number, plural
+
+STATE_KIND = {"finished": "good", "running": "calm", "interrupted": "open", "failed": "bad"}
+
+
+def runs_table(runs: Sequence[Run]) -> Table:
+    """One line per run: what, how far, how well."""
+    table = Table(
+        "All runs. Settlement at minimum load and tracking error (worst cycle, rms) are of the cycles reached.",
+        [
+            Column("run"),
+            Column("size"),
+            Column("state"),
+            Column("cycles", True),
+            Column("clumps", True),
+            Column("settlement, mm", True),
+            Column("plates, mm", True),
+            Column("tracking, %", True),
+            Column("steps/s", True),
+            Column("bed"),
+        ],
+    )
+    for run in runs:
+        state, _ = state_of(run)
+        goal = run.scenario["loading.cycles"] if run.scenario else None
+        last = run.cycles.iloc[-1] if len(run.cycles) else None
+        lateral = last[[f"lateral_{k}_m" for k in tables.PLATES]] if last is not None else None
+        table.rows.append(
+            [
+                name_of(run),
+                run.profile,
+                Chip(state, STATE_KIND.get(state, "open")),
+                f"{last_cycle(run)}{f' of {goal}' if goal else ''}",
+                number(last["clumps"] if last is not None else run.info.get("clumps"), 6),
+                number(last["settlement_m"], 3, MM) if last is not None else "–",
+                f"{number(lateral.min(), 2, MM)} to {number(lateral.max(), 2, MM)}" if last is not None else "–",
+                number(tracking_percent(run), 2),
+                number(speed(run), 3),
+                bed_of(run),
+            ]
+        )
+    return table
+
+
+def runs_page(book: Book) -> dict:
+    """Every run with where it comes from."""
+    summary = Table(
+        "Provenance",
+        [
+            Column("run"),
+            Column("parameters"),
+            Column("engine"),
+            Column("analysis"),
+            Column("commit"),
+            Column("seed", True),
+            Column("bed"),
+            Column("state"),
+        ],
+    )
+    entries = []
+    for run in book.runs:
+        versions = run.info.get("versions", {})
+        state, reason = state_of(run)
+        commit = str(run.info.get("git_commit") or "")[:10] or "–"
+        summary.rows.append(
+            [
+                run.id,
+                run_id(run).rpartition("@")[2],
+                versions.get("engine", "–"),
+                versions.get("analysis", "–"),
+                commit + ("+" if run.info.get("git_dirty") else ""),
+                str(run.seed),
+                bed_of(run),
+                Chip(state, STATE_KIND.get(state, "open")),
+            ]
+        )
+        entries.append(run_entry(run, state, reason))
+    summary.note = (
+        "A commit with + had changes that were not committed. Runs below runs/ are the ones kept in the "
+        "repository; they have no beds."
+    )
+    left_out = Table(
+        "Runs that are not drawn",
+        [Column("run"), Column("why", wide=True)],
+        [[run.id, why] for run, why in book.left_out],
+    )
+    tracking = [
+        tracking_figure(
+            book.gallery,
+            book.of(profile),
+            f"tracking-all-{profile}",
+            f"Load tracking, all runs of profile {profile}",
+            "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum).",
+        )
+        for profile in book.profiles
+    ]
+    return {
+        "summary": summary,
+        "runs": entries,
+        "tables": [left_out],
+        "figures": tracking,
+        "results": book.results,
+        "problems": book.problems,
+    }
+
+
+def bed_of(run: Run) -> str:
+    """Where the packed bed came from."""
+    bed = str(run.info.get("bed", "–"))
+    return f"of {bed.split('/')[2]}" if bed.startswith("../../") else bed
+
+
+def run_entry(run: Run, state: str, reason: str) -> dict:
+    """One run in a few sentences."""
+    times, info = timing(run), run.info
+    text = [
+        f"{info.get('title') or (run.scenario.title if run.scenario else run.scenario_name)}; profile {run.profile}, "
+        f"seed {run.seed}."
+    ]
+    if reason:
+        text.append(f"Reason: {reason}.")
+    if run.last_error():
+        text.append(f"Last error in its logs: {run.last_error()}.")
+    text.append(
+        f"{last_cycle(run)} cycles"
+        + (f" of {run.scenario['loading.cycles']}" if run.scenario else "")
+        + f", stage {info.get('stage', 'unknown')}, "
+        f"{plural(int(info.get('ranks') or 1), 'rank')}, {plural(int(info.get('threads') or 1), 'thread')}"
+        + (f", {plural(len(info['resumes']), 'resume')}" if info.get("resumes") else "")
+        + "."
+    )
+    speeds = times.get("steps_per_second")
+    if isinstance(speeds, dict) and speeds:
+        text.append(
+            "Steps per second: " + ", ".join(f"{stage} {number(value, 3)}" for stage, value in speeds.items()) + "."
+        )
+    if times.get("start"):
+        text.append(
+            f"From {times['start']} to "
+            f"{times.get('end') or 'now'}{' on ' + str(times['host']) if times.get('host') else ''}."
+        )
+    if len(run.cycles):
+        text.append(
+            f"Tracking error {number(tracking_percent(run), 2)} % rms in the worst cycle; sleeper stress "
+            f"{number(run.cycles['sleeper_stress_min_Pa'].min(), 3, KPA)} to "
+            f"{number(run.cycles['sleeper_stress_max_Pa'].max(), 3, KPA)} kPa."
+        )
+        text.extend(plate_sentence(run))
+    versions = info.get("versions", {})
+    if versions:
+        text.append("Versions: " + ", ".join(f"{key} {value}" for key, value in versions.items()) + ".")
+    return {
+        "anchor": re.sub(r"[^a-z0-9]+", "-", run.id.lower()),
+        "name": run.id,
+        "state": state,
+        "kind": STATE_KIND.get(state, "open"),
+        "text": " ".join(text),
+        "deviations": [str(d) for d in info.get("deviations", [])],
+        "problems": run.problems,
+        "command": info.get("command", "command unknown"),
+    }
+
+
+def plate_sentence(run: Run) -> list[str]:
+    """Mean stress on each plate over the run, where the history is there."""
+    columns = [f"plate_{k}_stress_Pa" for k in tables.PLATES]
+    means = run.history[columns].mean() if len(run.history) else pd.Series(dtype=float)
+    if not len(means) or not np.isfinite(means).any():
+        return []
+    return ["Mean stress on plates 1 to 5: " + ", ".join(number(v, 3, KPA) for v in means) + " kPa."]

@@ -1,0 +1,221 @@
+"""Pictures of a scene: the bed as shaded spheres, and force chains. No display or graphics library is needed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+
+from analysis.normalised import beds
+from analysis.report import style
+from analysis.report.pictures import render
+from analysis.report.pictures.scene import Scene, chain_lines
+from analysis.scenarios import derived
+
+MOVED = LinearSegmentedColormap.from_list("moved", ["#d9d5cb", "#e9c46a", "#e07b2e", "#a3273f", "#5e1a63"])
+"""From resting stone to what moved most; lightness falls all the way, so it also works without colour."""
+
+FORCE = LinearSegmentedColormap.from_list("force", ["#b9a98f", "#e08a2e", "#d7301f"])
+
+STONE = np.array([[0.80, 0.78, 0.74], [0.72, 0.71, 0.69], [0.66, 0.65, 0.64], [0.76, 0.73, 0.68], [0.70, 0.68, 0.63]])
+
+STEEL = (0.36, 0.42, 0.48)
+
+PICTURE_WIDTH = 1600
+
+CUT_FROM_WIDTH_M = 0.25
+"""Beds at least this wide are cut open along the sleeper; a narrow slice is drawn whole."""
+
+
+def is_cut(scene: Scene) -> bool:
+    """True where pictures show the bed cut open along the sleeper."""
+    return scene.box.width_m >= CUT_FROM_WIDTH_M
+
+
+def picture(
+    scene: Scene,
+    *,
+    azimuth_deg: float = 0.0,
+    elevation_deg: float = 0.0,
+    width: int = PICTURE_WIDTH,
+    pale: bool = False,
+) -> tuple[np.ndarray, render.Camera, float]:
+    """The bed, cut open along the sleeper: (RGBA picture, camera, displacement at full colour in m or nan).
+
+    Clumps whose centre lies before the cut are left out. `pale` draws uncoloured stone, as a backdrop.
+    """
+    box, clump = scene.box, derived.clump(scene.scenario)
+    front = box.width_m / 2 if is_cut(scene) else 0.0
+    behind = beds.positions(scene.bed)[:, 1] >= front
+    bed = scene.bed[behind]
+    colours, top = STONE[bed["id"].to_numpy() % len(STONE)], float("nan")
+    if scene.moved_m is not None and not pale:
+        length = np.linalg.norm(scene.moved_m, axis=1)
+        top = float(np.nanquantile(length, 0.99)) if np.isfinite(length).any() else float("nan")
+        if top > 0:
+            colours = np.where(
+                np.isfinite(length[behind])[:, None], MOVED(np.nan_to_num(length[behind] / top))[:, :3], colours
+            )
+    blocks = [scene.sleeper, *scene.plates]
+    corners = np.array(
+        [
+            [x, y, z]
+            for x in (0, max(p.high[0] for p in scene.plates))
+            for y in (front, box.width_m)
+            for z in (0, scene.sleeper.high[2])
+        ]
+    )
+    view = render.camera(corners, azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
+    faces = [
+        face
+        for block in blocks
+        for face in render.box_faces(
+            (block.low[0], max(front, block.low[1]), block.low[2]), block.high, view, STEEL, opacity=0.30
+        )
+    ]
+    image = render.render(
+        beds.sphere_centres(bed, clump.half_distance_m),
+        clump.radius_m,
+        np.repeat(colours, 2, axis=0),
+        np.repeat(np.arange(len(bed)), 2),
+        view,
+        width,
+        [] if pale else faces,
+    )
+    return image, view, top
+
+
+def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title: str) -> style.Canvas:
+    """An empty panel with the camera's window at true scale, `foot` inches below it and a line for the title above
+    it.
+    """
+    width = 6.0
+    height = width * (view.high[1] - view.low[1]) / (view.high[0] - view.low[0])
+    head = 0.27 if title else 0.0
+    c = style.canvas(name, alt, width=width, height=height + foot + head, left=0, right=0, bottom=foot, top=head)
+    c.figure.text(
+        0.005, 1 - 0.03 / (height + foot + head), title, fontsize=10, fontweight="bold", va="top", color=style.INK
+    )
+    c.axes.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]))
+    c.axes.set_axis_off()
+    return c
+
+
+def _scale_bar(c: style.Canvas, view: render.Camera, foot: float) -> None:
+    """A bar of 100 mm at the lower left, and what the plan of the picture is."""
+    width, height = c.figure.get_size_inches()
+    share = 0.1 / (view.high[0] - view.low[0])
+    y = (style.STAMP_HEIGHT + 0.45 * foot) / height
+    c.figure.add_artist(_line([0.02, 0.02 + share], [y, y]))
+    c.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=8.5, va="top", color=style.INK)
+
+
+def _line(xs, ys):
+    from matplotlib.lines import Line2D
+
+    return Line2D(xs, ys, color=style.INK, linewidth=2, solid_capstyle="butt")
+
+
+def bed_panel(
+    scene: Scene,
+    name: str,
+    title: str = "",
+    *,
+    azimuth_deg: float = 0.0,
+    elevation_deg: float = 0.0,
+    pixels: int = PICTURE_WIDTH,
+) -> style.Canvas:
+    """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
+    image, view, top = picture(scene, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width=pixels)
+    foot = 0.5
+    alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
+    c = _picture_canvas(name, alt, view, foot, title)
+    c.axes.imshow(
+        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
+    )
+    _scale_bar(c, view, foot)
+    if top > 0:
+        width, height = c.figure.get_size_inches()
+        bar = c.figure.add_axes([0.44, (style.STAMP_HEIGHT + 0.30) / height, 0.42, 0.11 / height])
+        bar.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=MOVED, extent=(0, 1e3 * top, 0, 1))
+        bar.set_yticks([])
+        bar.tick_params(length=2, pad=1.5, labelsize=8)
+        bar.grid(False)
+        for spine in bar.spines.values():
+            spine.set_visible(False)
+        c.figure.text(
+            0.43,
+            (style.STAMP_HEIGHT + 0.355) / height,
+            "clump displacement, mm",
+            fontsize=8.5,
+            va="center",
+            ha="right",
+            color=style.INK,
+        )
+    c.table = (
+        scene.bed.assign(displacement_m=np.linalg.norm(scene.moved_m, axis=1))
+        if scene.moved_m is not None
+        else scene.bed
+    )
+    return c
+
+
+def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None:
+    """Force chains in a slab along the middle of the sleeper, over the pale bed; None where contacts were not kept."""
+    lines, force = chain_lines(scene)
+    half = 3 * scene.scenario["clump.ball_radius"]
+    near = np.abs(lines[:, :, 1].mean(axis=1) - scene.box.width_m / 2) <= half
+    lines, force = lines[near], force[near]
+    if not len(force):
+        return None
+    image, view, _ = picture(scene, pale=True, width=PICTURE_WIDTH // 2)
+    image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
+    foot = 0.5
+    c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)
+    c.axes.imshow(
+        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
+    )
+    order = np.argsort(force, kind="stable")
+    top = float(np.quantile(force, 0.995))
+    share = np.clip(force[order] / top, 0, 1)
+    drawn = share > 0.02
+    colours = FORCE(share[drawn])
+    colours[:, 3] = 0.25 + 0.75 * np.sqrt(share[drawn])
+    c.axes.add_collection(
+        LineCollection(
+            lines[order][drawn][:, :, [0, 2]],
+            linewidths=0.25 + 6 * share[drawn],
+            colors=colours,
+            capstyle="round",
+            rasterized=True,
+        )
+    )
+    for block in (scene.sleeper, *scene.plates):
+        c.axes.plot(*_outline(block), color=style.SOFT, linewidth=1)
+    _scale_bar(c, view, foot)
+    width, height = c.figure.get_size_inches()
+    y = (style.STAMP_HEIGHT + 0.45 * foot) / height
+    for n, portion in enumerate((0.1, 0.3, 1.0)):
+        x = 0.42 + 0.19 * n
+        line = _line([x, x + 0.05], [y, y])
+        line.set(color=FORCE(portion), linewidth=0.25 + 6 * portion)
+        c.figure.add_artist(line)
+        c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=8.5, va="center", color=style.INK)
+    c.table = pd.DataFrame(
+        {f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
+        | {"normal_force_N": force}
+    )
+    return c
+
+
+def _round(value: float) -> str:
+    """Two significant digits without an exponent."""
+    return f"{float(f'{value:.2g}'):,.10g}"
+
+
+def _outline(block: derived.Block):
+    return (
+        [block.low[0], block.high[0], block.high[0], block.low[0], block.low[0]],
+        [block.low[2], block.low[2], block.high[2], block.high[2], block.low[2]],
+    )

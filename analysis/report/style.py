@@ -1,0 +1,322 @@
+"""How figures look and how they are kept: one palette, one encoding of scenario and code, and SVG, PNG and CSV of each.
+
+Hue tells the family of scenarios, lightness the parameter varied within it, line style and marker the code. Every
+colour has a twin for dark pages: inline SVG refers to them as CSS variables, so that one drawing serves both.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from PIL import Image
+
+INK, SOFT, PAPER = "#1b1f24", "#6c757d", "#fefefe"
+PALETTE = {  # light page, dark page
+    "ink": (INK, "#e8eaed"),
+    "soft": (SOFT, "#9aa4ae"),
+    "paper": (PAPER, "#14181d"),
+    "linear": ("#006dbd", "#59b2f9"),
+    "nonlinear": ("#ab2500", "#f88c54"),
+    "md0": ("#8a2f87", "#b871c2"),
+    "md1": ("#009876", "#4de2af"),
+    "md2": ("#a47e00", "#eacd4d"),
+    "other": ("#5b5f66", "#b3b9c1"),
+    "reference": ("#111418", "#f5f6f7"),
+}
+"""Hues that stay apart for red-green and blue-yellow blindness in their order of use; see tests/test_report.py."""
+CODE_STYLES = {"liggghts": {"linestyle": "-", "marker": "o"}, "yade": {"linestyle": (0, (5, 2)), "marker": "s"}}
+CODE_NAMES = {"liggghts": "LIGGGHTS", "yade": "YADE"}
+CODE_SIGNS = {"liggghts": "●", "yade": "□"}
+OTHER_STYLE = {"linestyle": (0, (1, 1.2)), "marker": "D"}
+
+PANEL_WIDTH, PANEL_HEIGHT = 4.7, 3.35
+"""Inches. A panel is legible on a phone at full width; pages set panels side by side where there is room."""
+STAMP_HEIGHT = 0.30
+RC = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Helvetica", "Arial", "sans-serif"],
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": SOFT,
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": SOFT,
+    "grid.alpha": 0.22,
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.linewidth": 0.8,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 4.0,
+    "svg.fonttype": "none",
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+    "savefig.facecolor": "none",
+    "mathtext.default": "regular",
+}
+
+
+def _mix(colour: str, other: str, share: float) -> str:
+    """`colour` with `share` (0-1) of `other`, as #rrggbb."""
+    a, b = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (colour, other))
+    return "#" + "".join(f"{round(v):02x}" for v in a + (b - a) * share)
+
+
+def shade(family: str, level: float = 0.0) -> str:
+    """Colour of `family` on a light page: paler than its hue for level < 0 (down to -1), deeper for level > 0 (up to
+    1).
+    """
+    return _SHADES.setdefault((family, round(level, 3)), _twin(family, level))[0]
+
+
+_SHADES: dict[tuple[str, float], tuple[str, str]] = {}
+
+
+def _twin(family: str, level: float) -> tuple[str, str]:
+    light, dark = PALETTE[family]
+    if level < 0:
+        return _mix(light, PAPER, -0.42 * level), _mix(dark, PALETTE["paper"][1], -0.30 * level)
+    return _mix(light, "#000000", 0.42 * level), _mix(dark, "#ffffff", 0.5 * level)
+
+
+def colour_variables() -> dict[str, tuple[str, str]]:
+    """CSS variable -> (light, dark) for the palette and every shade asked for so far."""
+    named = {f"--{name}": pair for name, pair in PALETTE.items()}
+    return named | {
+        f"--{family}-{light[1:]}": (light, dark)
+        for (family, _), (light, dark) in sorted(_SHADES.items())
+        if light != PALETTE[family][0]
+    }
+
+
+def settings() -> AbstractContextManager:
+    """The context in which panels are drawn and saved."""
+    return matplotlib.rc_context(RC)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One drawing: `svg` for a page, and its files `<name>.svg`, `.png`, `.csv` in the report's figures folder."""
+
+    name: str
+    alt: str
+    svg: str
+    hover: dict | None = None
+
+
+@dataclass
+class Canvas:
+    """One panel while it is drawn. `series` collects what hovering shows; `table` is the CSV behind the drawing, SI."""
+
+    name: str
+    alt: str
+    figure: Figure
+    axes: object
+    series: list[dict] = field(default_factory=list)
+    table: pd.DataFrame = field(default_factory=pd.DataFrame)
+    hover_x: str = ""
+    hover_unit: str = ""
+    labels: list[tuple] = field(default_factory=list)
+    """(x, y, text, colour) of what is named beside the axes."""
+    leaders: bool = True
+    """Names stand at the height of their curves' ends; without, they are a list from the top, in their own order."""
+
+
+def canvas(
+    name: str,
+    alt: str,
+    *,
+    width: float = PANEL_WIDTH,
+    height: float = PANEL_HEIGHT,
+    left: float = 0.62,
+    right: float = 1.25,
+    bottom: float = 0.50,
+    top: float = 0.32,
+) -> Canvas:
+    """An empty panel with margins in inches; a strip for the version stamp is added below."""
+    figure = Figure(figsize=(width, height + STAMP_HEIGHT))
+    FigureCanvasAgg(figure)
+    total = height + STAMP_HEIGHT
+    axes = figure.add_axes(
+        [left / width, (bottom + STAMP_HEIGHT) / total, (width - left - right) / width, (height - bottom - top) / total]
+    )
+    return Canvas(name, alt, figure, axes)
+
+
+def end_labels(c: Canvas, size: float = 8.0) -> None:
+    """Write the collected labels (x, y, text, colour) right of the axes, moved apart vertically where they would
+    touch.
+    """
+    if not c.labels:
+        return
+    axes, height = c.axes, c.axes.get_window_extent().height
+    step = size * 1.25 * c.figure.dpi / 72
+    if not c.leaders:
+        for n, (_, _, text, colour) in enumerate(c.labels):
+            axes.text(
+                1.04,
+                1 - (n + 0.5) * step / height,
+                text,
+                transform=axes.transAxes,
+                fontsize=size,
+                color=colour,
+                va="center",
+            )
+        return
+    ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in c.labels]))
+    wanted = ends[:, 1] * height
+    order = np.argsort(wanted, kind="stable")
+    placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
+    for position, n in zip(placed, order):
+        _, _, text, colour = c.labels[n]
+        axes.annotate(
+            text,
+            xy=ends[n],
+            xytext=(1.05, position / height),
+            xycoords="axes fraction",
+            textcoords="axes fraction",
+            fontsize=size,
+            color=colour,
+            va="center",
+            ha="left",
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": colour,
+                "linewidth": 0.6,
+                "alpha": 0.6,
+                "shrinkA": 1,
+                "shrinkB": 3,
+                "relpos": (0, 0.5),
+            },
+        )
+
+
+def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.ndarray:
+    """Sorted positions moved as little as needed to be `step` apart within low..high (closer where there is no
+    room).
+    """
+    count = len(positions)
+    step = min(step, (high - low) / max(count - 1, 1))
+    placed = positions.astype(float).copy()
+    for _ in range(200):
+        moved = False
+        for k in range(count - 1):
+            lack = step - (placed[k + 1] - placed[k])
+            if lack > 1e-6:
+                placed[k] -= lack / 2
+                placed[k + 1] += lack / 2
+                moved = True
+        placed = np.clip(placed, low, high)
+        if not moved:
+            break
+    return placed
+
+
+def save(c: Canvas, folder: Path, stamp: str) -> Panel:
+    """Write `<name>.svg`, `.png` and `.csv` into `folder` and return the panel for a page."""
+    end_labels(c)
+    width, height = c.figure.get_size_inches()
+    c.figure.text(
+        0.06 / width,
+        0.05 / height,
+        stamp,
+        fontsize=5.5,
+        color=SOFT,
+        va="bottom",
+        ha="left",
+        gid="stamp",
+        linespacing=1.25,
+    )
+    hover = _hover(c, height)
+    with matplotlib.rc_context({"svg.hashsalt": c.name}):
+        c.figure.savefig(
+            folder / f"{c.name}.png",
+            dpi=160,
+            facecolor="white",
+            metadata={"Software": None},
+            pil_kwargs={"compress_level": 3},  # a tenth larger, in a third of the time
+        )
+        buffer = io.StringIO()
+        FigureCanvasSVG(c.figure).print_svg(
+            buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
+        )
+    text = buffer.getvalue()
+    backdrop = '<rect width="100%" height="100%" fill="#ffffff"/>'
+    (folder / f"{c.name}.svg").write_text(re.sub(r"(<svg[^>]*>)", lambda m: m.group(1) + backdrop, text, count=1))
+    c.table.to_csv(folder / f"{c.name}.csv", index=False, float_format="%.9g", lineterminator="\n")
+    return Panel(c.name, c.alt, _inline(text, c, height), hover)
+
+
+def _hover(c: Canvas, height: float) -> dict | None:
+    """Where the axes lie in the SVG (points) and what its curves hold, for the page's script."""
+    if not c.series:
+        return None
+    axes = c.axes
+    box = axes.get_position()
+    width, total = c.figure.get_size_inches() * 72
+    return {
+        "box": [round(v, 2) for v in (box.x0 * width, (1 - box.y1) * total, box.width * width, box.height * total)],
+        "x": [float(v) for v in axes.get_xlim()],
+        "y": [float(v) for v in axes.get_ylim()],
+        "logx": axes.get_xscale() == "log",
+        "logy": axes.get_yscale() == "log",
+        "name": c.hover_x,
+        "unit": c.hover_unit,
+        "series": c.series,
+    }
+
+
+def _inline(text: str, c: Canvas, height: float) -> str:
+    """The SVG as part of a page: no stamp (the caption has it), colours as CSS variables, no ids that could clash."""
+    svg = text[text.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
+    svg = re.sub(r'<g id="stamp">.*?</g>', "", svg, flags=re.S)
+    svg = re.sub(r"<!--.*?-->", "", svg, flags=re.S)
+    svg = re.sub(r' id="(?!m[0-9a-f]{6}|p[0-9a-f]{6}|image|C[0-9a-f]{0,3}_|h[0-9a-f]{6})[^"]*"', "", svg)
+    width, total = c.figure.get_size_inches() * 72
+    shown = (height - STAMP_HEIGHT) * 72
+    label = c.alt.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+    svg = re.sub(
+        r"<svg[^>]*>",
+        f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'viewBox="0 0 {width:g} {shown:g}" role="img" aria-label="{label}">',
+        svg,
+        count=1,
+    )
+    for variable, (light, _) in colour_variables().items():
+        svg = svg.replace(light, f"var({variable})")
+    svg = re.sub(r"data:image/png;base64,([A-Za-z0-9+/=\s]+)", lambda m: _smaller(m.group(1)), svg)
+    return re.sub(r"\n\s*", "\n", svg).strip()
+
+
+def _smaller(png: str) -> str:
+    """A picture inside an SVG, as WebP."""
+    picture = Image.open(io.BytesIO(base64.b64decode(png)))
+    buffer = io.BytesIO()
+    picture.save(buffer, "WEBP", quality=84, method=4)
+    return "data:image/webp;base64," + base64.b64encode(buffer.getvalue()).decode()

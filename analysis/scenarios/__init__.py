@@ -1,0 +1,5 @@
+"""What is simulated: the scenario file, checked and resolved, and what follows from it: clump, apparatus, time grid,
+start lattice, the parameters in both engines' terms.
+
+YADE's Python imports these modules under the system's Python, so they need the standard library only (numpy for
+`analysis.laws`). Imports from this package: `analysis.laws` and `analysis.files`."""

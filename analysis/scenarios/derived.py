@@ -1,0 +1,130 @@
+"""Quantities that follow from the scenario: clump, apparatus, time grid.
+
+Standard library only, because YADE's Python reads it too. Everything is in SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Clump:
+    """Two equal overlapping spheres, rigid; mass, volume and inertia are those of their union."""
+
+    radius_m: float
+    half_distance_m: float
+    """Distance of each sphere's centre from the clump's centre, along its axis (local z)."""
+    volume_m3: float
+    mass_kg: float
+    inertia_axial_kgm2: float
+    inertia_transverse_kgm2: float
+
+
+def clump(s) -> Clump:
+    """The clump of scenario `s`: volume of a ball of radius clump.ball_radius, length over width = clump.aspect.
+
+    Half of the union is the sphere slice -r <= t <= c about its own centre (c the half distance; t points to the
+    clump's centre, which lies at t = c), whose disc at t has area pi (r^2 - t^2); moments of that polynomial are exact.
+    """
+    q = s["clump.aspect"] - 1.0                     # half distance over radius
+    volume = 4.0 / 3.0 * math.pi * s["clump.ball_radius"] ** 3
+    unit_volume = 2 * math.pi * _moment(q, 0, 1)    # two half-unions of unit radius
+    r = (volume / unit_volume) ** (1 / 3)
+    density = s["clump.density"]
+    axial = 2 * density * r**5 * math.pi / 2 * _moment(q, 0, 2)
+    along = 2 * density * r**5 * math.pi * (_moment(q, 2, 1) - 2 * q * _moment(q, 1, 1) + q * q * _moment(q, 0, 1))
+    return Clump(r, q * r, volume, density * volume, axial, axial / 2 + along)
+
+
+def _moment(q: float, power: int, discs: int) -> float:
+    """Integral of t^power (1 - t^2)^discs over -1 <= t <= q."""
+    terms = {1: ((0, 1.0), (2, -1.0)), 2: ((0, 1.0), (2, -2.0), (4, 1.0))}[discs]
+    return sum(f * (q ** (power + n + 1) - (-1.0) ** (power + n + 1)) / (power + n + 1) for n, f in terms)
+
+
+@dataclass(frozen=True)
+class Block:
+    """An axis-parallel box given by two corners."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Apparatus:
+    """Walls and moving parts at the start. Floor z = 0, end wall x = 0 and side walls y = 0, y = width are planes."""
+
+    length_m: float
+    width_m: float
+    height_m: float
+    sleeper: Block
+    plates: tuple[Block, ...]
+    fixed_wall: Block
+    sleeper_area_m2: float
+    plate_area_m2: float
+    measurement_centres_m: tuple[tuple[float, float, float], ...]
+    measurement_radius_m: float
+    ballast_volume_m3: float
+
+
+def apparatus(s) -> Apparatus:
+    """The apparatus of scenario `s`, narrowed in y by geometry.width_scale."""
+    scale = s["geometry.width_scale"]
+    length, width, height = s["geometry.box_length"], s["geometry.box_width"] * scale, s["geometry.box_height"]
+    base, sleeper_width = s["geometry.sleeper_base"], s["geometry.sleeper_width"] * scale
+    left = (width - sleeper_width) / 2
+    outer = length + s["geometry.plate_thickness"]
+    pitch = s["geometry.plate_height"] + s["geometry.plate_gap"]
+    plates = tuple(Block((length, 0.0, k * pitch), (outer, width, k * pitch + s["geometry.plate_height"]))
+                   for k in range(s["geometry.plate_count"]))
+    return Apparatus(
+        length, width, height,
+        Block((0.0, left, base),
+              (s["geometry.sleeper_length"], left + sleeper_width, base + s["geometry.sleeper_height"])),
+        plates,
+        Block((length, 0.0, s["geometry.plate_count"] * pitch), (outer, width, 2 * height)),
+        s["geometry.sleeper_length"] * sleeper_width,
+        s["geometry.plate_height"] * width,
+        tuple((x, width / 2, s["geometry.measurement_z"]) for x in s["geometry.measurement_x"]),
+        s["geometry.measurement_radius"],
+        length * (width * height - sleeper_width * (height - base)),
+    )
+
+
+@dataclass(frozen=True)
+class TimeGrid:
+    """The time step, adjusted (by less than 1 % in the paper's scenarios) so that rows and blocks are whole steps."""
+
+    step_s: float
+    steps_per_cycle: int
+    steps_per_row: int
+    steps_per_block: int
+
+
+def time_grid(s) -> TimeGrid:
+    """A cycle is the multiple of output.rows_per_cycle steps nearest to 1 / (frequency x time.step)."""
+    period, rows = 1.0 / s["loading.frequency"], s["output.rows_per_cycle"]
+    per_row = max(1, round(period / s["time.step"] / rows))
+    cycle = per_row * rows
+    return TimeGrid(period / cycle, cycle, per_row, cycle // s["output.blocks_per_cycle"])
+
+
+def load_control(s) -> dict[str, float]:
+    """Masses (kg) and drags (N s/m) of sleeper and plates, scaled like the areas they press on."""
+    return {key: s[f"load_control.{key}"] * s["geometry.width_scale"]
+            for key in ("sleeper_mass", "sleeper_drag", "plate_mass", "plate_drag")}
+
+
+def lattice_spacing(s) -> float:
+    """Centre distance of the hexagonal lattice, m."""
+    return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"]
+
+
+def critical_time_step(s) -> float:
+    """2 sqrt(m / k) of one clump on the stiffest linear contact, s: no step above it can be stable."""
+    k = s["contact.particle_wall.normal_stiffness"]
+    if s["contact.model"] == "linear":
+        k = max(k, s["contact.particle_particle.normal_stiffness"])
+    return 2 * math.sqrt(clump(s).mass_kg / k)

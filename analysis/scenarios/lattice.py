@@ -1,0 +1,54 @@
+"""Where packing starts: clumps of random orientation on a hexagonal lattice in the free space of the box.
+
+Both codes start from this file, so that a seed means the same bed before the engines begin to differ.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator
+
+from analysis.scenarios import derived
+
+
+def lattice_bed(s, seed: int) -> list[tuple[float, ...]]:
+    """Poses (x, y, z, qw, qx, qy, qz) of the lattice clumps of scenario `s`, metres and unit quaternions.
+
+    Lattice balls of the grown radius stay clear of walls and sleeper; layers of hexagonal close packing lie flat.
+    The orientations are uniform over rotations and depend on `seed` only.
+    """
+    generator = random.Random(seed)
+    poses = []
+    for y, z, along in _rows(s):
+        for x in along:
+            quaternion = [generator.gauss(0, 1) for _ in range(4)]
+            norm = math.sqrt(sum(c * c for c in quaternion))
+            poses.append((x, y, z, *(c / norm for c in quaternion)))
+    return poses
+
+
+def site_count(s) -> int:
+    """Number of clumps that `lattice_bed` places."""
+    return sum(len(along) for _, _, along in _rows(s))
+
+
+def void_fraction(s) -> float:
+    """Porosity of the lattice clumps, filling the free space of the box without overlap; <= 0 is impossible."""
+    return 1 - site_count(s) * derived.clump(s).volume_m3 / derived.apparatus(s).ballast_volume_m3
+
+
+def _rows(s) -> Iterator[tuple[float, float, list[float]]]:
+    """Rows of sites along x that keep clear of the sleeper: (y, z, places along x), m."""
+    box = derived.apparatus(s)
+    spacing, margin = derived.lattice_spacing(s), s["clump.ball_radius"]
+    low, high = box.sleeper.low, box.sleeper.high
+    for k, z in enumerate(_steps(margin, box.height_m - margin, spacing * math.sqrt(2 / 3))):
+        first = margin + (k % 2) * spacing / (2 * math.sqrt(3))
+        for j, y in enumerate(_steps(first, box.width_m - margin, spacing * math.sqrt(3) / 2)):
+            if not (z > low[2] - margin and low[1] - margin < y < high[1] + margin):
+                yield y, z, _steps(margin + ((j + k) % 2) * spacing / 2, box.length_m - margin, spacing)
+
+
+def _steps(start: float, stop: float, step: float) -> list[float]:
+    return [start + i * step for i in range(int((stop - start) / step + 1e-9) + 1)] if stop >= start else []

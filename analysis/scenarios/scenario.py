@@ -1,0 +1,298 @@
+"""The scenario file: base, scenario and profile laid over each other, checked, and made into one flat table.
+
+Needs only the standard library, because YADE's Python has no more.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from analysis.files import ROOT
+from analysis.scenarios import derived, lattice
+from analysis.scenarios.schema import KEYS, PROFILE_KEYS, STATUSES
+
+SCENARIO_FILE = ROOT / "scenarios.toml"
+
+
+class ScenarioError(ValueError):
+    """A scenario file that cannot be used; the message is one line naming file, key, value and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One value with its unit, status (reported, derived, assumed, calibrated) and source."""
+
+    value: float | int | str | list
+    unit: str
+    status: str
+    source: str
+
+
+class Scenario:
+    """All parameters of one scenario at one profile: `scenario["geometry.box_length"]` gives the value in SI units."""
+
+    def __init__(self, name: str, profile: str, title: str, parameters: dict[str, Parameter]):
+        self.name, self.profile, self.title, self.parameters = name, profile, title, parameters
+
+    def __getitem__(self, key: str):
+        return self.parameters[key].value
+
+    def replace(self, key: str, value) -> Scenario:
+        """A copy with one value changed, for calibration and sensitivity studies; its status becomes `assumed`."""
+        old = self.parameters[key]
+        new = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
+        return Scenario(self.name, self.profile, self.title, self.parameters | {key: new})
+
+    @property
+    def hash(self) -> str:
+        """Twelve hex digits over all values: equal exactly when two runs had the same parameters."""
+        values = {key: p.value for key, p in sorted(self.parameters.items())}
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:12]
+
+    def to_json(self) -> str:
+        """The resolved scenario as JSON, the form kept in a run's folder."""
+        body = {"name": self.name, "profile": self.profile, "title": self.title, "hash": self.hash,
+                "parameters": {key: asdict(p) for key, p in self.parameters.items()}}
+        return json.dumps(body, indent=1)
+
+    @classmethod
+    def from_json(cls, text: str) -> Scenario:
+        """Read what `to_json` wrote."""
+        body = json.loads(text)
+        return cls(body["name"], body["profile"], body["title"],
+                   {key: Parameter(**p) for key, p in body["parameters"].items()})
+
+    def differences(self, other: Scenario) -> list[str]:
+        """Lines `key: here -> there` for every value in which two scenarios differ."""
+        return [f"{key}: {self[key]} -> {other[key]}" for key in self.parameters if self[key] != other[key]]
+
+
+def _refuse(path: Path, key: str, value, allowed: str) -> ScenarioError:
+    return ScenarioError(f"{path.name}: {key} = {json.dumps(value, default=str)} is refused; allowed: {allowed}")
+
+
+def _leaves(table: dict, prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Yield (dotted key, leaf); a leaf is a table with a `value`, an empty table, or anything that is not a table."""
+    for name, entry in table.items():
+        key = f"{prefix}{name}"
+        if isinstance(entry, dict) and entry and "value" not in entry and key not in KEYS:
+            yield from _leaves(entry, key + ".")
+        else:
+            yield key, entry
+
+
+def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
+    name = f"{where}.{key}"
+    if key not in KEYS:
+        near = difflib.get_close_matches(key, KEYS, 1)
+        raise _refuse(path, name, entry, f"a known key{f', perhaps {near[0]}' if near else ''}")
+    known = KEYS[key]
+    if not isinstance(entry, dict) or set(entry) != {"value", "unit", "status", "source"}:
+        raise _refuse(path, name, entry, "a table of exactly value, unit, status and source")
+    if entry["unit"] != known.unit:
+        raise _refuse(path, f"{name}.unit", entry["unit"], f'"{known.unit}"')
+    if entry["status"] not in STATUSES:
+        raise _refuse(path, f"{name}.status", entry["status"], "one of " + ", ".join(STATUSES))
+    if not isinstance(entry["source"], str) or not entry["source"].strip():
+        raise _refuse(path, f"{name}.source", entry["source"], "a text that is not empty")
+    if not known.accepts(entry["value"]):
+        raise _refuse(path, f"{name}.value", entry["value"], known.allowed())
+    value = entry["value"]
+    if known.kind is float:
+        value = float(value)
+    elif known.kind is list:
+        value = [known.item(v) for v in value]
+    return Parameter(value, entry["unit"], entry["status"], entry["source"])
+
+
+def _read(path: Path) -> dict:
+    try:
+        with open(path, "rb") as file:
+            content = tomllib.load(file)
+    except OSError as error:
+        reason = f"cannot be read ({error.strerror}); give the path of a scenario file"
+        raise ScenarioError(f"{path.name}: {reason}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
+    for section in content:
+        if section not in ("base", "scenario", "profile"):
+            raise _refuse(path, section, "...", "the sections base, scenario and profile")
+    for section in ("base", "scenario", "profile"):
+        if not isinstance(content.get(section), dict):
+            raise _refuse(path, section, content.get(section), f"a table [{section}]")
+    for section in ("scenario", "profile"):
+        for name in content[section]:
+            if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", name, re.ASCII):    # it names folders and make targets
+                raise _refuse(path, f"{section} name", name, "letters, digits and . _ + -")
+    return content
+
+
+def _overlay(path: Path, where: str, table, extras: tuple[str, ...]) -> tuple[dict[str, str], dict[str, Parameter]]:
+    """Split a [scenario.X] or [profile.X] table into its texts (title, base) and its parameters."""
+    if not isinstance(table, dict):
+        raise _refuse(path, where, table, "a table")
+    texts = {name: table[name] for name in extras if name in table}
+    for name, text in texts.items():
+        if not isinstance(text, str):
+            raise _refuse(path, f"{where}.{name}", text, "a text")
+    rest = {name: entry for name, entry in table.items() if name not in extras}
+    return texts, {key: _parameter(path, where, key, entry) for key, entry in _leaves(rest)}
+
+
+def scenario_names(path: Path = SCENARIO_FILE) -> list[str]:
+    """Names of all scenarios of the file, in its order."""
+    return list(_read(Path(path))["scenario"])
+
+
+def profile_names(path: Path = SCENARIO_FILE) -> list[str]:
+    """Names of all profiles of the file, in its order."""
+    return list(_read(Path(path))["profile"])
+
+
+def base_parameters(path: Path = SCENARIO_FILE) -> dict[str, Parameter]:
+    """Parameters of [base], before any scenario."""
+    return _base(Path(path), _read(Path(path)))
+
+
+def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, cycles: int | None = None) -> Scenario:
+    """Resolve base <- scenario (and the scenarios it is based on) <- profile.
+
+    `cycles` replaces loading.cycles, as CYCLES=n does on the command line.
+    Raises ScenarioError with one line for anything that is unknown, of the wrong type or impossible.
+    """
+    path = Path(path)
+    content = _read(path)
+    scenario = _resolve(path, content, name, profile, cycles)
+    _check_together(path, scenario)
+    _check_bed(path, content, scenario)
+    return scenario
+
+
+def _base(path: Path, content: dict) -> dict[str, Parameter]:
+    parameters = {key: _parameter(path, "base", key, entry) for key, entry in _leaves(content["base"])}
+    for key in KEYS:
+        if key not in parameters:
+            raise ScenarioError(f"{path.name}: base.{key} is missing; give value, unit, status and source")
+    return parameters
+
+
+def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | None = None) -> Scenario:
+    """Lay the layers over each other, each value checked by itself."""
+    if name not in content["scenario"]:
+        raise ScenarioError(f"{path.name}: scenario {name!r} is unknown; known: {', '.join(content['scenario'])}")
+    if profile not in content["profile"]:
+        raise ScenarioError(f"{path.name}: profile {profile!r} is unknown; known: {', '.join(content['profile'])}")
+
+    parameters = _base(path, content)
+    layers, current, chain = [], name, []
+    while current:
+        if current in chain:
+            raise _refuse(path, f"scenario.{chain[-1]}.base", current, "a chain of bases without a circle")
+        if current not in content["scenario"]:
+            raise _refuse(path, f"scenario.{chain[-1]}.base", current, "one of " + ", ".join(content["scenario"]))
+        chain.append(current)
+        texts, values = _overlay(path, f"scenario.{current}", content["scenario"][current], ("title", "base"))
+        layers.insert(0, values)
+        title = texts.get("title", name) if current == name else title
+        current = texts.get("base")
+    _, values = _overlay(path, f"profile.{profile}", content["profile"][profile], ("title",))
+    for key in values:
+        if key not in PROFILE_KEYS:
+            raise _refuse(path, f"profile.{profile}.{key}", values[key].value,
+                          "size and length only: " + ", ".join(PROFILE_KEYS))
+    for layer in (*layers, values):
+        parameters.update(layer)
+    if cycles is not None:
+        parameters["loading.cycles"] = _parameter(path, "CYCLES", "loading.cycles", {
+            "value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"})
+
+    return Scenario(name, profile, title, parameters)
+
+
+def _check_together(path: Path, s: Scenario) -> None:
+    """Refuse values that are each allowed but impossible together."""
+
+    def refuse(key: str, allowed: str) -> ScenarioError:
+        return _refuse(path, f"scenario.{s.name}: {key}", s[key], allowed)
+
+    if s["contact.model"] == "hysteretic" and s["contact.particle_particle.damping_mode"] == 0 \
+            and s["contact.particle_particle.restitution"] == 0:
+        raise refuse("contact.particle_particle.restitution",
+                     "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0")
+    if s["loading.stress_max"] <= s["loading.stress_min"]:
+        raise refuse("loading.stress_max", f"> loading.stress_min = {s['loading.stress_min']:g} Pa")
+    if s["preload.sleeper_stress"] != s["loading.stress_min"]:
+        raise refuse("preload.sleeper_stress",
+                     f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts")
+    if s["geometry.sleeper_length"] > s["geometry.box_length"]:
+        raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m")
+    if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
+        raise refuse("geometry.sleeper_width", f"< geometry.box_width = {s['geometry.box_width']:g} m")
+    if s["geometry.sleeper_base"] + s["geometry.sleeper_height"] > s["geometry.box_height"] + 1e-9:
+        raise refuse("geometry.sleeper_height", "a sleeper whose top is not above the box")
+    stack = s["geometry.plate_count"] * (s["geometry.plate_height"] + s["geometry.plate_gap"])
+    if stack > s["geometry.box_height"]:
+        raise refuse("geometry.plate_height",
+                     f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m")
+    if len(s["geometry.measurement_x"]) != 3:
+        raise refuse("geometry.measurement_x", "three values")
+    radius = s["geometry.measurement_radius"]
+    for x in s["geometry.measurement_x"]:
+        if x - radius < -1e-9 or x + radius > s["geometry.box_length"] + 1e-9:
+            raise refuse("geometry.measurement_x", "measurement spheres inside the box")
+    z = s["geometry.measurement_z"]
+    if z - radius < -1e-9 or z + radius > s["geometry.sleeper_base"] + 1e-9:
+        raise refuse("geometry.measurement_z", "measurement spheres between floor and sleeper base")
+    if s["packing.relax_stiffness"][-1] != 1.0:
+        raise refuse("packing.relax_stiffness", "fractions that end at 1")
+    grown = s["packing.lattice_radius"] * s["packing.growth"]
+    if abs(grown - s["clump.ball_radius"]) > 1e-6:
+        raise refuse("packing.growth",
+                     f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m")
+    if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
+        raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
+    diameter = 2 * derived.clump(s).radius_m
+    if s["geometry.plate_gap"] >= diameter:
+        raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")
+    if derived.apparatus(s).width_m < 2 * s["clump.ball_radius"]:
+        raise refuse("geometry.width_scale", "a slice wide enough for one clump")
+    void = lattice.void_fraction(s)
+    if void <= 0:
+        raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
+    if void > 0.6:
+        raise refuse("packing.lattice_gap",
+                     f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}")
+    limit = derived.critical_time_step(s)
+    if max(s["time.step"], derived.time_grid(s).step_s) > limit:
+        raise refuse("time.step",
+                     f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows")
+
+
+def _check_bed(path: Path, content: dict, s: Scenario) -> None:
+    """Refuse a bed that another scenario cannot give: unknown, borrowed itself, or of other clumps in another box."""
+    bed, code = s["packing.bed_from"], s["packing.bed_code"]
+    if not bed:
+        if code:
+            raise _refuse(path, f"scenario.{s.name}: packing.bed_code", code, "empty where packing.bed_from is empty")
+        return
+
+    def refuse(allowed: str) -> ScenarioError:
+        return _refuse(path, f"scenario.{s.name}: packing.bed_from", bed, allowed)
+
+    if bed == s.name:
+        raise refuse("another scenario")
+    if bed not in content["scenario"]:
+        raise refuse("empty or one of " + ", ".join(content["scenario"]))
+    other = _resolve(path, content, bed, s.profile)
+    if other["packing.bed_from"]:
+        raise refuse(f"a scenario that packs its own bed, as {other['packing.bed_from']} does")
+    for line in s.differences(other):
+        if line.startswith(("geometry.", "clump.")):
+            raise refuse(f"a scenario with the same box and clumps, but {line}")

@@ -1,0 +1,145 @@
+"""What each key of the scenario file may hold: type, unit, limits.
+
+The unit is part of the key's definition, so a value given in another unit is refused rather than converted.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+STATUSES = ("reported", "derived", "assumed", "calibrated")
+PROFILE_KEYS = ("geometry.width_scale", "packing.lattice_gap", "loading.cycles", "output.checkpoint_cycles",
+                "output.keep_beds")
+
+
+@dataclass(frozen=True)
+class Key:
+    """One allowed key: kind is float, int, str or list; limits are inclusive unless `open_minimum` says not."""
+
+    unit: str
+    kind: type = float
+    minimum: float | None = None
+    maximum: float | None = None
+    open_minimum: bool = False
+    choices: tuple = ()
+    item: type = float
+
+    def allowed(self) -> str:
+        """Say in words what the key may hold."""
+        if self.choices:
+            return "one of " + ", ".join(str(choice) or '""' for choice in self.choices)
+        name = {float: "a number", int: "a whole number", str: "a text",
+                list: f"a list of {'whole ' if self.item is int else ''}numbers"}[self.kind]
+        limits = []
+        if self.minimum is not None:
+            limits.append(f"{'>' if self.open_minimum else '>='} {self.minimum:g}")
+        if self.maximum is not None:
+            limits.append(f"<= {self.maximum:g}")
+        return name + (" " + " and ".join(limits) if limits else "") + (f" {self.unit}" if self.unit != "-" else "")
+
+    def accepts(self, value) -> bool:
+        """True where `value` has the right type and lies within the limits."""
+        if self.kind is list:
+            single = Key(self.unit, self.item, self.minimum, self.maximum, self.open_minimum)
+            return isinstance(value, list) and len(value) > 0 and all(single.accepts(v) for v in value)
+        if isinstance(value, bool):
+            return False
+        if self.kind is float:
+            if not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
+                return False
+        elif not isinstance(value, self.kind):
+            return False
+        if self.choices:
+            return value in self.choices
+        if self.minimum is not None and (value < self.minimum or (self.open_minimum and value == self.minimum)):
+            return False
+        return self.maximum is None or value <= self.maximum
+
+
+def _positive(unit: str, maximum: float | None = None, kind: type = float) -> Key:
+    return Key(unit, kind, 0, maximum, open_minimum=True)
+
+
+def _from_zero(unit: str, maximum: float | None = None, kind: type = float) -> Key:
+    return Key(unit, kind, 0, maximum)
+
+
+KEYS: dict[str, Key] = {
+    "geometry.box_length": _positive("m", 100),
+    "geometry.box_width": _positive("m", 100),
+    "geometry.box_height": _positive("m", 100),
+    "geometry.width_scale": _positive("-", 1),
+    "geometry.sleeper_length": _positive("m", 100),
+    "geometry.sleeper_width": _positive("m", 100),
+    "geometry.sleeper_height": _positive("m", 100),
+    "geometry.sleeper_base": _positive("m", 100),
+    "geometry.plate_count": Key("-", int, 5, 5),
+    "geometry.plate_height": _positive("m", 10),
+    "geometry.plate_gap": _from_zero("m", 0.01),
+    "geometry.plate_thickness": _positive("m", 1),
+    "geometry.measurement_radius": _positive("m", 10),
+    "geometry.measurement_x": Key("m", list, 0),
+    "geometry.measurement_z": _positive("m", 100),
+    "clump.ball_radius": _positive("m", 1),
+    "clump.aspect": Key("-", float, 1, 2, open_minimum=True),
+    "clump.density": _positive("kg/m3", 25000),
+    "packing.bed_from": Key("-", str),
+    "packing.bed_code": Key("-", str, choices=("", "yade", "liggghts")),
+    "packing.lattice_radius": _positive("m", 1),
+    "packing.growth": Key("-", float, 1, 5),
+    "packing.lattice_gap": _from_zero("m", 1),
+    "packing.relax_stiffness": Key("-", list, 0, 1, open_minimum=True),
+    "packing.relax_steps": _positive("step", kind=int),
+    "packing.local_damping": _from_zero("-", 0.95),
+    "packing.compaction_gravity": _positive("m/s2"),
+    "packing.compaction_friction": _from_zero("-", 5),
+    "packing.compaction_unbalanced_ratio": _positive("-", 1),
+    "packing.compaction_kinetic_energy": _positive("J"),
+    "packing.final_gravity": _positive("m/s2"),
+    "packing.gravity_ramp_time": _positive("s", 10),
+    "rest.local_damping": _from_zero("-", 0.95),
+    "rest.unbalanced_ratio": _positive("-", 1),
+    "rest.kinetic_energy": _positive("J"),
+    "rest.time_limit": _positive("s", 100),
+    "preload.sleeper_stress": _positive("Pa"),
+    "preload.plate_stress": _positive("Pa"),
+    "preload.ramp_time": _positive("s", 10),
+    "preload.stress_tolerance": _positive("-", 0.5),
+    "preload.averaging_time": _positive("s", 1),
+    "preload.time_limit": _positive("s", 100),
+    "loading.stress_min": _positive("Pa"),
+    "loading.stress_max": _positive("Pa"),
+    "loading.frequency": _positive("Hz", 1000),
+    "loading.cycles": _positive("-", 10_000_000, int),
+    "load_control.sleeper_law": Key("-", str, choices=("force", "pfc")),
+    "load_control.plate_law": Key("-", str, choices=("force", "pfc", "fixed")),
+    "load_control.sleeper_mass": _positive("kg"),
+    "load_control.sleeper_drag": _from_zero("N s/m"),
+    "load_control.plate_mass": _positive("kg"),
+    "load_control.plate_drag": _from_zero("N s/m"),
+    "load_control.pfc_gain": _positive("-", 2),
+    "load_control.pfc_velocity_limit": _positive("m/s", 100),
+    "load_control.pfc_update_interval": _positive("step", kind=int),
+    "load_control.pfc_contact_floor": Key("-", int, 1),
+    "contact.model": Key("-", str, choices=("linear", "hysteretic")),
+    "contact.particle_particle.normal_stiffness": _positive("N/m"),
+    "contact.particle_particle.shear_stiffness": _from_zero("N/m"),
+    "contact.particle_particle.damping_ratio": _from_zero("-", 0.99),
+    "contact.particle_particle.friction": _from_zero("-", 5),
+    "contact.particle_particle.shear_modulus": _positive("Pa"),
+    "contact.particle_particle.poisson_ratio": _from_zero("-", 0.49),
+    "contact.particle_particle.restitution": _from_zero("-", 1),
+    "contact.particle_particle.damping_mode": Key("-", int, choices=(0, 1, 2)),
+    "contact.particle_wall.normal_stiffness": _positive("N/m"),
+    "contact.particle_wall.shear_stiffness": _from_zero("N/m"),
+    "contact.particle_wall.damping_ratio": _from_zero("-", 0.99),
+    "contact.particle_wall.friction": _from_zero("-", 5),
+    "time.step": _positive("s", 1e-3),
+    "output.rows_per_cycle": Key("-", int, 40),
+    "output.blocks_per_cycle": _positive("-", kind=int),
+    "output.checkpoint_cycles": _positive("-", kind=int),
+    "output.keep_beds": Key("-", list, 1, item=int),
+    "limits.overlap_ratio": _positive("-", 1),
+    "limits.kinetic_energy": _positive("J"),
+}

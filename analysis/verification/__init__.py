@@ -1,0 +1,5 @@
+"""Both engines against known answers: small cases with closed forms, an oracle that integrates the paper's equations
+without them, any impact of a user's own, and wrong laws that the cases must notice.
+
+It stands beside the flow: nothing imports it, the report reads the files that it writes. Imports from this package:
+`driver`, `normalised`, `scenarios`, `analysis.laws` and `analysis.files`."""

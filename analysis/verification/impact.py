@@ -1,0 +1,263 @@
+"""`python -m analysis impact FILE.toml`: any impact of two spheres, or of a sphere on the wall, in both codes.
+
+The file is written like the scenario file, with a value and a unit for every key:
+
+    base = "nonlinear-md1-en0.6"                            # scenario that gives what is not said here
+    [impact]
+    against = { value = "sphere", unit = "-" }              # sphere | wall (always the linear law of the walls)
+    speed   = { value = 1.0,  unit = "m/s" }                # of body 1 relative to body 2
+    angle   = { value = 30.0, unit = "degrees" }            # from the line of centres; 0 is head-on (default)
+    [body_1]                                                # body_2 likewise; defaults: the clump's radius and mass
+    radius  = { value = 0.01, unit = "m" }
+    density = { value = 2600.0, unit = "kg/m3" }
+    spin    = { value = [0.0, 20.0, 0.0], unit = "rad/s" }  # default none
+    shear_modulus = { value = 30e6, unit = "Pa" }           # of both bodies with poisson_ratio, or of none
+    poisson_ratio = { value = 0.25, unit = "-" }
+    motion  = { value = "free", unit = "-" }                # body 2 only: free | held
+    [contact]                                               # any contact key of the scenario file
+    model   = { value = "hysteretic", unit = "-" }
+
+The contact's normal is z, body 1 comes from above and moves towards +x. Writes <out>/<file>.csv, a row per code, and
+<out>/<file>_series.csv with forces over time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import shutil
+import sys
+import tempfile
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis import laws
+from analysis.driver import engines
+from analysis.files import write_csv
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario, scenario_names
+from analysis.scenarios.schema import KEYS as SCENARIO_KEYS
+from analysis.scenarios.schema import Key
+from analysis.verification import oracle
+from analysis.verification.cases.impacts import STEPS_BEFORE, pair_law, wall_law
+from analysis.verification.probes import Ball, Probe, Trajectory, run_probes, with_values
+
+HELD_MASS = 1e12
+BODY_KEYS = {
+    "radius": Key("m", float, 0, 100, open_minimum=True),
+    "density": Key("kg/m3", float, 0, 25000, open_minimum=True),
+    "spin": Key("rad/s", list),
+    "shear_modulus": Key("Pa", float, 0, open_minimum=True),
+    "poisson_ratio": Key("-", float, 0, 0.49),
+}
+KEYS = {
+    "impact.against": Key("-", str, choices=("sphere", "wall")),
+    "impact.speed": Key("m/s", float, 0, 1000, open_minimum=True),
+    "impact.angle": Key("degrees", float, 0, 89),
+    "body_2.motion": Key("-", str, choices=("free", "held")),
+    **{f"{body}.{name}": key for body in ("body_1", "body_2") for name, key in BODY_KEYS.items()},
+    **{name: key for name, key in SCENARIO_KEYS.items() if name.startswith("contact.")},
+}
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A case, ready to run: the scenario with its contact values, and the balls (the second is missing on a wall)."""
+
+    name: str
+    scenario: Scenario
+    balls: tuple[Ball, ...]
+    normal_speed: float
+
+    @property
+    def wall(self) -> bool:
+        return len(self.balls) == 1
+
+    def law(self, code: str):
+        """Law of the contact in this code, for the oracle."""
+        first = self.balls[0]
+        if self.wall:
+            return wall_law(self.scenario, first.mass)
+        second = self.balls[1]
+        return pair_law(code, self.scenario, laws.effective_mass(first.mass, second.mass),
+                        laws.effective_radius(first.radius, second.radius))
+
+    def probe(self) -> Probe:
+        """The case as a probe: 3000 steps in contact, and a few before and after."""
+        step = oracle.head_on(self.law("liggghts"), self.normal_speed).duration_s / 3000
+        first, gap = self.balls[0], STEPS_BEFORE * step * self.normal_speed
+        start = np.array([0.0, 0.0, first.radius + gap]) - STEPS_BEFORE * step * np.array(first.velocity) * [1, 1, 0]
+        placed = Ball(first.radius, first.mass, tuple(map(float, start)), first.velocity, first.spin)
+        return Probe(self.name,
+                     self.scenario,
+                     step,
+                     3900,
+                     balls=(placed, *self.balls[1:]),
+                     wall="linear" if self.wall else "")
+
+
+def read_impact(path: Path) -> Impact:
+    """The case in a file; ScenarioError with one line for anything unknown, of the wrong type or impossible."""
+    try:
+        with open(path, "rb") as file:
+            content = tomllib.load(file)
+    except OSError as error:
+        raise ScenarioError(
+            f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
+
+    def refuse(key: str, value, allowed: str) -> ScenarioError:
+        return ScenarioError(f"{path.name}: {key} = {json.dumps(value, default=str)} is refused; allowed: {allowed}")
+
+    base = content.pop("base", "nonlinear-en1.0")
+    if not isinstance(base, str) or base not in scenario_names():
+        raise refuse("base", base, "one of " + ", ".join(scenario_names()))
+    values = {}
+    for key, entry in _leaves(content):
+        if key not in KEYS:
+            raise refuse(key, entry, "the keys " + ", ".join(KEYS))
+        known = KEYS[key]
+        if not isinstance(entry, dict) or set(entry) != {"value", "unit"}:
+            raise refuse(key, entry, "a table of exactly value and unit")
+        if entry["unit"] != known.unit:
+            raise refuse(f"{key}.unit", entry["unit"], f'"{known.unit}"')
+        if not known.accepts(entry["value"]) or (key.endswith(".spin") and len(entry["value"]) != 3):
+            raise refuse(f"{key}.value", entry["value"],
+                         known.allowed() + (", three of them" if key.endswith(".spin") else ""))
+        values[key] = float(entry["value"]) if known.kind is float else entry["value"]
+    if "impact.speed" not in values:
+        raise ScenarioError(f"{path.name}: impact.speed is missing; give value and unit")
+    on_wall = values.get("impact.against", "sphere") == "wall"
+    for key in values:
+        if on_wall and key.startswith("body_2."):
+            raise refuse(key, values[key], "no body_2 where impact.against is wall")
+
+    changes = {key.replace(".", "__"): value for key, value in values.items() if key.startswith("contact.")}
+    given = [f"{body}.{name}" for body in ("body_1", "body_2") for name in ("shear_modulus", "poisson_ratio")]
+    present = [key for key in given if key in values]
+    if present and (len(present) < 4 or on_wall):
+        raise refuse(present[0], values[present[0]], "shear_modulus and poisson_ratio of both bodies, or of none"
+                     + (" (walls have stiffnesses: contact.particle_wall)" if on_wall else ""))
+    if present:
+        shear, poisson = laws.equivalent_material(*(values[key] for key in given))
+        for name, value in (("shear_modulus", shear), ("poisson_ratio", poisson)):
+            if f"contact.particle_particle.{name}" in values:
+                raise refuse(f"contact.particle_particle.{name}", value,
+                             f"{name} of the bodies or of the contact, not both")
+            changes[f"contact__particle_particle__{name}"] = value
+    scenario = with_values(load_scenario(base), path.stem, **changes)
+    pair = {key: scenario[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution")}
+    if scenario["contact.model"] == "hysteretic" and pair["damping_mode"] == 0 and pair["restitution"] == 0:
+        raise refuse("contact.particle_particle.restitution.value", 0.0,
+                     "> 0 with damping_mode 0, which is singular there")
+    return _place(path.stem, scenario, values, on_wall)
+
+
+def of_scenario(name: str) -> Impact:
+    """Two spheres of the clump's radius and mass, head-on at 1 m/s, with a scenario's law."""
+    return _place(name, load_scenario(name), {"impact.speed": 1.0}, False)
+
+
+def _place(name: str, scenario: Scenario, values: dict, on_wall: bool) -> Impact:
+    clump = derived.clump(scenario)
+    angle, speed = math.radians(values.get("impact.angle", 0.0)), values["impact.speed"]
+    bodies = []
+    for body in ("body_1",) if on_wall else ("body_1", "body_2"):
+        radius = values.get(f"{body}.radius", clump.radius_m)
+        volume = 4 / 3 * math.pi * radius**3
+        mass = values[f"{body}.density"] * volume if f"{body}.density" in values else clump.mass_kg
+        held = values.get(f"{body}.motion") == "held"
+        moving = body == "body_1"
+        bodies.append(Ball(radius, HELD_MASS if held else mass, (0.0, 0.0, radius if moving else -radius),
+                           (speed * math.sin(angle), 0.0, -speed * math.cos(angle)) if moving else (0.0, 0.0, 0.0),
+                           tuple(map(float, values.get(f"{body}.spin", (0.0, 0.0, 0.0)))), held))
+    return Impact(name, scenario, tuple(bodies), speed * math.cos(angle))
+
+
+def _leaves(table: dict, prefix: str = ""):
+    for name, entry in table.items():
+        if isinstance(entry, dict) and "value" not in entry and f"{prefix}{name}" not in KEYS and entry:
+            yield from _leaves(entry, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", entry
+
+
+# ------------------------------------------------------------------ result
+
+def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tuple[dict, np.ndarray]:
+    """Measures of one code as a row; time, overlap, normal and shear force (4, n) as the series."""
+    first = probe.balls[0]
+    if impact.wall:
+        normal = np.tile([0.0, 0.0, 1.0], (len(found.time), 1))
+        overlap = first.radius - found.position[:, 0, 2]
+        relative = found.velocity[:, 0]
+    else:
+        apart = found.position[:, 0] - found.position[:, 1]
+        distance = np.linalg.norm(apart, axis=1)
+        normal, overlap = apart / distance[:, None], first.radius + probe.balls[1].radius - distance
+        relative = found.velocity[:, 0] - found.velocity[:, 1]
+    normal_force = np.einsum("ni,ni->n", found.force[:, 0], normal)
+    shear = found.force[:, 0] - normal_force[:, None] * normal
+    touching = np.flatnonzero(overlap > 0)
+    separated = len(touching) > 0 and touching[-1] + 1 < len(overlap)
+    parting = np.einsum("ni,ni->n", relative, normal)
+    expected = oracle.head_on(impact.law(code), impact.normal_speed)
+    row = {"code": code, "peak_overlap_m": overlap.max(), "peak_normal_force_N": normal_force.max(),
+           "peak_shear_force_N": np.linalg.norm(shear, axis=1).max(),
+           "duration_s": (touching[-1] - touching[0] + 1) * probe.step if separated else math.nan,
+           "restitution": parting[-1] / impact.normal_speed if separated else math.nan}
+    for k in range(len(probe.balls)):
+        for what, values in (("velocity", found.velocity), ("spin", found.spin)):
+            unit = "m_s" if what == "velocity" else "rad_s"
+            row |= {f"{what}_{k + 1}_{axis}_{unit}": values[-1, k, n] for n, axis in enumerate("xyz")}
+    row |= {"expected_restitution": expected.restitution, "expected_peak_overlap_m": expected.peak_overlap_m}
+    row["remark"] = "" if separated else "no separation within the time that was run"
+    if code == "yade" and isinstance(impact.law(code), oracle.ViscousHertz):
+        row["remark"] = "YADE has no hysteretic law: viscous Hertz law with the same restitution" + "; " * bool(
+            row["remark"]) + row["remark"]
+    return row, np.array([found.time, overlap, normal_force, np.linalg.norm(shear, axis=1)])
+
+
+def main(argv: list[str]) -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(prog="python -m analysis impact", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case", help="an impact file, or the name of a scenario: its law, head-on at 1 m/s")
+    parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code")
+    parser.add_argument("--out", type=Path, default=Path("report/impact"), help="folder of the result")
+    arguments = parser.parse_args(argv)
+    codes = arguments.code or list(engines.CODES)
+    folder = Path(tempfile.mkdtemp(prefix="impact-"))
+    try:
+        known = arguments.case in scenario_names()
+        impact = of_scenario(arguments.case) if known else read_impact(Path(arguments.case))
+        for code in codes:
+            engines.versions(code)
+        probe, rows, series = impact.probe(), [], []
+        for code in codes:
+            found, failures = run_probes(code, [probe], folder / code)
+            if failures:
+                print(f"impact: {failures[probe.name]}", file=sys.stderr)
+                return 1
+            row, curves = evaluate(impact, probe, code, found[probe.name])
+            rows.append(row)
+            series += [(code, *(f"{value:.9g}" for value in point)) for point in curves.T]
+    except (ScenarioError, engines.EngineError) as error:
+        print(f"impact: {error}", file=sys.stderr)
+        return 2
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    write_csv(arguments.out / f"{impact.name}.csv",
+              [list(rows[0]), *([f"{v:.9g}" if isinstance(v, float) else v for v in row.values()] for row in rows)])
+    write_csv(arguments.out / f"{impact.name}_series.csv",
+              [["code", "time_s", "overlap_m", "normal_force_N", "shear_force_N"], *series])
+    for name in rows[0]:
+        print(f"{name:26}" + "".join(f"{row[name]:>16.6g}" if isinstance(row[name], float) else f"{row[name]:>16}"
+                                     for row in rows))
+    print(arguments.out / f"{impact.name}.csv")
+    return 0

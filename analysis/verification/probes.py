@@ -1,0 +1,224 @@
+"""Small cases that are run in the engines: a few spheres or clumps, perhaps a wall, for some thousand steps.
+
+A `Probe` says what happens; `run_probes` runs it through the same contact models, properties and scripts as a full run
+(liggghts/verify_*.in with liggghts/contact.in; yade/verify.py with yade/contact.py) and returns a `Trajectory`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from analysis.driver import engines
+from analysis.files import ROOT
+from analysis.scenarios.scenario import Parameter, Scenario
+
+TIME_LIMIT_S = 250
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+               "ASAN_OPTIONS": "detect_leaks=0"}     # LIGGGHTS does not free all at its end; of use with --host only
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A sphere: radius (m), mass (kg), place (m), velocity (m/s), spin (rad/s). A held one does not move."""
+
+    radius: float
+    mass: float
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    held: bool = False
+
+
+@dataclass(frozen=True)
+class ClumpAt:
+    """The scenario's clump: place (m), unit quaternion as in bed files, velocity (m/s), spin (rad/s, in space)."""
+
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One small case. Balls and clumps do not mix.
+
+    wall -- "" for none, "linear" for the study's wall at z = 0, "hysteretic" for a wall with the particles' law
+            (LIGGGHTS only: the study has no such wall)
+    path -- [(velocity, steps), ...]: the first ball moves so instead of freely
+    gravity -- along -z, m/s2
+    every -- steps between the rows of the trajectory
+    """
+
+    name: str
+    scenario: Scenario = field(repr=False)
+    step: float
+    steps: int
+    balls: tuple[Ball, ...] = ()
+    clumps: tuple[ClumpAt, ...] = ()
+    wall: str = ""
+    path: tuple[tuple[tuple[float, float, float], int], ...] = ()
+    gravity: float = 0.0
+    every: int = 1
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Spheres over time, shapes (rows, spheres, 3): centres, velocities, spins, contact forces and torques; SI units.
+
+    A clump gives two spheres; velocity and spin are those of the sphere as part of it. YADE's velocities are those of
+    half a step earlier.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    contacts: np.ndarray
+    """Number of contacts, (rows,)."""
+    at_limit: np.ndarray
+    """Number of contacts whose hysteretic dashpot is at its limit, (rows,); nan in YADE, which has no such law."""
+
+
+def with_values(scenario: Scenario, name: str, **values) -> Scenario:
+    """`scenario` with some values replaced; keys with `__` for the dot, e.g. contact__model="linear"."""
+    parameters = dict(scenario.parameters)
+    for key, value in values.items():
+        key = key.replace("__", ".")
+        old = parameters[key]
+        parameters[key] = Parameter(value, old.unit, "assumed", "verification case")
+    return Scenario(name, scenario.profile, scenario.title, parameters)
+
+
+class EngineFailure(RuntimeError):
+    """An engine that did not finish; the message is one line with its own error."""
+
+
+def run_probes(code: str,
+               probes: list[Probe],
+               folder: Path,
+               workers: int = 1) -> tuple[dict[str, Trajectory], dict[str, str]]:
+    """Run all probes in one engine, below `folder`, at most `workers` at a time.
+
+    Returns trajectories by name, and for probes that did not finish one line each.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    if code == "yade":
+        shares = [probes[k::workers] for k in range(workers)]
+        jobs = [(share, folder / f"part_{k}") for k, share in enumerate(shares) if share]
+        runner = _run_yade
+    else:
+        jobs = [([probe], folder / probe.name) for probe in probes]
+        runner = _run_liggghts
+    found, failures = {}, {}
+    with ThreadPoolExecutor(workers) as pool:
+        for done, failed in pool.map(lambda job: runner(*job), jobs):
+            found.update(done)
+            failures.update(failed)
+    return found, failures
+
+
+def _run_yade(probes: list[Probe], folder: Path):
+    folder.mkdir(parents=True, exist_ok=True)
+    entries = []
+    for probe in probes:
+        entry = asdict(replace(probe, scenario=None))
+        entry["scenario"] = json.loads(probe.scenario.to_json())
+        entries.append(entry)
+    listing = folder / "probes.json"
+    listing.write_text(json.dumps(entries))
+    message = "yade: no result"
+    try:
+        call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py",
+                     str(listing.resolve()),
+                     str(folder.resolve())], folder)
+    except EngineFailure as error:
+        message = str(error)
+    found = {probe.name: _from_yade(probe, np.load(path)) for probe in probes
+             if (path := folder / f"{probe.name}.npy").exists()}
+    return found, {probe.name: message for probe in probes if probe.name not in found}
+
+
+def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
+    values = rows[:, 1:].reshape(len(rows), -1, 5, 3)
+    time = np.arange(len(rows)) * probe.every * probe.step
+    return Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], np.full(len(rows), np.nan))
+
+
+def _run_liggghts(probes: list[Probe], folder: Path):
+    probe, = probes
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "parameters.in").write_text(engines.liggghts_parameters(probe.scenario, seed=1))
+    (folder / "case.in").write_text(_liggghts_case(probe))
+    if probe.clumps:
+        engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in probe.clumps])
+        (folder / "motions.in").write_text("".join(
+            f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
+            for n, clump in enumerate(probe.clumps, start=1)))
+    deck = "liggghts/verify_clumps.in" if probe.clumps else "liggghts/verify_balls.in"
+    try:
+        call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
+    except EngineFailure as error:
+        return {}, {probe.name: str(error)}
+    spheres = len(probe.balls) + 2 * len(probe.clumps)
+    rows = np.fromfile(folder / "rows.bin").reshape(-1, 2 + 15 * spheres)
+    values = rows[:, 2:].reshape(len(rows), spheres, 5, 3)
+    time = np.arange(len(rows)) * probe.every * probe.step
+    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1])}, {}
+
+
+def _list(values) -> str:
+    return " ".join(repr(float(v)) for v in values)
+
+
+def _liggghts_case(probe: Probe) -> str:
+    """The case as LIGGGHTS variables; those of balls and path segments are lists that the deck walks through."""
+    values = {
+        "step": repr(float(probe.step)), "steps": probe.steps, "every": probe.every,
+        "wall": ("", "linear", "hysteretic").index(probe.wall), "gravity": repr(float(probe.gravity))
+    }
+    if probe.balls:
+        balls = probe.balls
+        free = [not ball.held and not (probe.path and ball is balls[0]) for ball in balls]
+        values["reach"] = repr(float(1.01 * max(abs(c) + 2 * ball.radius for ball in balls for c in ball.position)))
+        values["any_free"], values["driven"] = int(any(free)), int(bool(probe.path))
+        values["ball"] = " ".join(str(n) for n in range(1, len(balls) + 1))
+        values["ball_place"] = " ".join(f'"{_list(ball.position)}"' for ball in balls)
+        values["ball_diameter"], values["ball_mass"] = _list(2 * b.radius for b in balls), _list(b.mass for b in balls)
+        for k, axis in enumerate("xyz"):
+            values[f"ball_v{axis}"] = _list(ball.velocity[k] for ball in balls)
+            values[f"ball_w{axis}"] = _list(ball.spin[k] for ball in balls)
+            if probe.path:
+                values[f"path_v{axis}"] = _list(velocity[k] for velocity, _ in probe.path)
+        values["ball_free"] = " ".join(str(int(f)) for f in free)
+        if probe.path:
+            values["path_steps"] = " ".join(str(steps) for _, steps in probe.path)
+    return "".join(f"variable {name} index {value}\n" for name, value in values.items())
+
+
+def call_engine(command: list[str], folder: Path) -> None:
+    """Run an engine in the repository's root, its words going to `folder`/engine.log; EngineFailure if it fails."""
+    log, name = folder / "engine.log", Path(command[0]).name
+    with open(log, "a") as out:
+        try:
+            status = subprocess.run(command,
+                                    cwd=ROOT,
+                                    stdout=out,
+                                    stderr=subprocess.STDOUT,
+                                    env=ENVIRONMENT | os.environ,
+                                    stdin=subprocess.DEVNULL,
+                                    timeout=TIME_LIMIT_S).returncode
+        except subprocess.TimeoutExpired:
+            raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
+    if status:
+        errors = [line for line in log.read_text(errors="replace").splitlines() if "ERROR" in line]
+        raise EngineFailure(f"{name}: exit code {status}: {errors[0] if errors else 'no line with ERROR; see --keep'}")

@@ -1,0 +1,57 @@
+"""The analysis is a one-way flow: each sub-package imports only what stands before it."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ANALYSIS = Path(__file__).resolve().parent.parent / "analysis"
+MAY_IMPORT = {
+    "laws": set(),
+    "files": set(),
+    "scenarios": {"laws", "files"},
+    "normalised": {"scenarios", "files"},
+    "driver": {"scenarios", "normalised", "files"},
+    "reference": {"scenarios", "files"},
+    "comparison": {"reference", "normalised", "scenarios", "laws", "files"},
+    "report": {"comparison", "reference", "driver", "normalised", "scenarios", "laws", "files"},
+    "verification": {"driver", "normalised", "scenarios", "laws", "files"},
+}
+MODULES = sorted(path for path in ANALYSIS.rglob("*.py") if path.parent != ANALYSIS or path.stem in MAY_IMPORT)
+
+
+def imports(path):
+    """Dotted names of what a module imports from this package, wherever in the module that is."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom):
+            assert not node.level, "imports are absolute, so that the flow can be read"
+            if node.module.split(".")[0] == "analysis":
+                yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name.split(".")[0] == "analysis")
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ANALYSIS)))
+def test_a_module_imports_only_what_stands_before_it(path):
+    own = path.relative_to(ANALYSIS).with_suffix("").parts[0]
+    assert {name.split(".")[1] for name in imports(path)} <= MAY_IMPORT[own] | {own}
+
+
+@pytest.mark.parametrize("name", [name for name in MAY_IMPORT if (ANALYSIS / name).is_dir()])
+def test_a_sub_package_says_what_it_may_import_and_imports_nothing_itself(name):
+    (docstring,) = ast.parse((ANALYSIS / name / "__init__.py").read_text()).body
+    listed = " ".join(docstring.value.value.split()).partition("Imports from this package: ")[2]
+    assert set(re.findall(r"`(?:analysis\.)?(\w+)`", listed)) == MAY_IMPORT[name]
+
+
+def test_what_yade_reads_needs_no_more_than_numpy():
+    read = {name for path in (ANALYSIS.parent / "yade").glob("*.py") for name in imports(path)}
+    assert read
+    code = "import sys; sys.modules['pandas'] = sys.modules['scipy'] = sys.modules['matplotlib'] = None\n"
+    for name in sorted(read):
+        code += f"from {name.rpartition('.')[0]} import {name.rpartition('.')[2]}\n"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ANALYSIS.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
