@@ -16,7 +16,7 @@ from analysis.driver import checkpoints, record
 ROOT = Path(__file__).resolve().parent.parent
 FAKE = (sys.executable, str(ROOT / "tests" / "fake_driver.py"))
 REAL = (sys.executable, "-m", "analysis", "run")
-NORMALISED = ("cycles.csv", "history.csv", "microstructure.csv", "bed_before.csv", "bed_after.csv")
+NORMALISED = ("cycles.csv", "history.csv", "microstructure.csv", "stages.json", "bed_before.csv", "bed_after.csv")
 
 
 def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:

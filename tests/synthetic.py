@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -89,6 +90,7 @@ def write_run(
         for cycle in sorted({k for k in s["output.keep_beds"] if k <= cycles} | {cycles}):
             _write_contacts(folder / "raw" / f"contacts_cycle_{cycle:06d}.csv", bed, generator)
         _write_contacts(folder / "raw" / "contacts_preloaded.csv", bed, generator)
+    _write_stages(folder, bed, porosity)
     (folder / "run.json").write_text(json.dumps(_info(s, code, cycles, seed, state, len(bed)) | (info or {}), indent=1))
     return folder
 
@@ -182,6 +184,14 @@ def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> No
         table[column] = start + change * share
     table["at_limit_share"] = 0.0 if s["contact.model"] == "linear" else 0.1
     table[list(tables.MICROSTRUCTURE)].to_csv(folder / "microstructure.csv", index=False)
+
+
+def _write_stages(folder, bed, porosity) -> None:
+    packed = {"clumps": len(bed), "porosity_mean": float(np.mean(porosity)), "coordination_number": 6.0}
+    packed |= {"overlap_mean_m": 1e-7, "overlap_max_ratio": 1e-4, "bed_sha256": hashlib.sha256(bed.to_csv().encode()).hexdigest()}
+    moved = {"settlement_m": 4e-4} | {f"lateral_{k}_m": -1e-4 for k in tables.PLATES}
+    porosities = {f"porosity_{k}": value for k, value in zip(tables.SPHERES, porosity)}
+    (folder / "stages.json").write_text(json.dumps({"packing": packed, "preload": packed | porosities | moved}, indent=1))
 
 
 def _write_contacts(path, bed, generator, count=2000) -> None:

@@ -1,5 +1,6 @@
 """The normaliser on raw output with known answers: values, kills at any moment, resumes, damaged raw files."""
 
+import json
 import math
 import shutil
 from pathlib import Path
@@ -18,7 +19,7 @@ from analysis.scenarios.scenario import Scenario
 
 CYCLES = 4
 FEW_POINTS = 3000  # of the porosity's point set: enough for what is tested here
-FILES = ("cycles.csv", "history.csv", "microstructure.csv", "bed_before.csv", "bed_after.csv")
+FILES = ("cycles.csv", "history.csv", "microstructure.csv", "stages.json", "bed_before.csv", "bed_after.csv")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -125,6 +126,18 @@ def test_microstructure_has_the_known_motion(engine_output):
         False,
         True,
     ]  # cycles whose contacts are kept
+
+
+def test_stages_hold_the_packed_and_the_preloaded_bed(engine_output):
+    folder = engine_output[1]
+    stages = json.loads((folder / "stages.json").read_text())
+    structure = pd.read_csv(folder / "microstructure.csv").iloc[0]
+    preload = pd.read_csv(folder / "raw" / "preload.csv").iloc[-1]
+    assert stages["preload"]["settlement_m"] == preload["sleeper_displacement_m"]
+    assert stages["preload"]["lateral_3_m"] == preload["plate_3_displacement_m"]
+    for name in ("porosity_1", "coordination_number", "overlap_mean_m", "normal_force_mean_N"):
+        assert stages["preload"][name] == pytest.approx(structure[name], rel=1e-8)
+    assert stages["preload"]["clumps"] == len(pd.read_csv(folder / "bed_before.csv"))
 
 
 def test_porosity_is_the_same_in_both_tables(engine_output):

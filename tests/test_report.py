@@ -287,9 +287,9 @@ def test_runs_from_one_bed_are_paired_by_code_and_by_time_step(tmp_path):
     law = load_scenario("linear-mu0.8", "demo", cycles=3)
     (folders[2] / "scenario.json").write_text(law.replace("time.step", law["time.step"] / 2).to_json())
     for down, folder in enumerate(folders, start=1):
-        shutil.copy(folder / "bed_before.csv", folder / "raw" / "bed_packed.csv")
-        plates = "".join(f",plate_{k}_displacement_m" for k in range(1, 6))
-        (folder / "raw" / "cyclic.csv").write_text(f"sleeper_displacement_m{plates}\n{down}e-3,0,0,0,0,0\n")
+        stages = json.loads((folder / "stages.json").read_text())
+        stages["preload"]["settlement_m"] = down * 1e-3
+        (folder / "stages.json").write_text(json.dumps(stages))
     runs = report.load_runs(tmp_path)
     drawn = [run for run in runs if not is_variant(run)]
     assert [run.id for run in drawn] == ["demo/linear-mu0.8/liggghts"]

@@ -1,59 +1,75 @@
-"""Calibrate the lattice gap: pack the full bed over a range of gaps and show clumps and porosity for each.
+"""Calibrate the packing: the full linear bed over a range of lattice gaps and clump aspects.
 
-`make calibrate` packs `linear-mu0.8` with one code and writes report/calibration.csv. Copy the gap whose clump count is
-nearest to the paper's 4583 into scenarios.toml by hand: a calibrated value is a decision, not a side effect.
+`make calibrate` packs, preloads and loads each bed for a few cycles and writes calibration.csv: clumps and porosity
+beside the paper's, overlaps and contacts of the packed bed, and how far it settles. A bed that is too full is jammed by
+the frictionless relaxation already and moves by micrometres. Each bed is an ordinary run below
+results/calibration/, so that what is done is not done again. Copy the chosen values into scenarios.toml by hand:
+a calibrated value is a decision, not a side effect.
 """
 
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
 from pathlib import Path
 
 import pandas as pd
 
-from analysis.driver.engines import CODES, command, versions, write_inputs
-from analysis.files import ROOT
-from analysis.normalised import beds
-from analysis.normalised.microstructure import contact_measures
-from analysis.normalised.porosity import MeasurementSpheres
-from analysis.scenarios import derived, lattice
-from analysis.scenarios.scenario import Scenario, load_scenario
+from analysis import files
+from analysis.driver import record
+from analysis.driver.engines import CODES, versions
+from analysis.driver.run import Run
+from analysis.driver.supervise import Interrupted, RunError, StopRequest
+from analysis.normalised.readers import Run as Result
+from analysis.scenarios import lattice
+from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
 
-REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Table 1
+REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Section 2 and Table 1
+GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
+STAGE_COLUMNS = {
+    "packing": ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number",
+                "overlap_mean_m", "overlap_max_ratio", "normal_force_mean_N"),
+    "preload": ("settlement_m",),
+}
 
 
-def distinct_gaps(scenario: Scenario, low_m: float, high_m: float, step_m: float = 1e-4) -> list[float]:
+def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float]:
     """Largest gap (m) of each distinct number of lattice sites: the count is a step function of the gap."""
     gaps = {}
-    for index in range(round((high_m - low_m) / step_m) + 1):
-        gap = round(low_m + index * step_m, 7)
+    for index in range(round((high_m - low_m) / STEP_M) + 1):
+        gap = round(low_m + index * STEP_M, 7)
         gaps[lattice.site_count(scenario.replace("packing.lattice_gap", gap))] = gap
     return sorted(gaps.values())
 
 
-def pack(scenario: Scenario, code: str, run_dir: Path, seed: int) -> Path:
-    """Pack one bed in `run_dir`, unless it is packed already, and return its bed file."""
-    bed = run_dir / "raw" / "bed_packed.csv"
-    if bed.exists():
-        return bed
-    write_inputs(scenario, run_dir, seed)
-    with open(run_dir / "log" / "packing.log", "w") as log:
-        done = subprocess.run(command(code, "packing", run_dir), cwd=ROOT, stdout=log, stderr=subprocess.STDOUT)
-    if done.returncode or not bed.exists():
-        raise SystemExit(f"calibrate: packing failed; read log/packing.log in {run_dir.name}")
-    return bed
+def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> Result:
+    """Run `scenario`, or what is missing of it, and read it back. Raises RunError where the engine fails."""
+    folder = f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
+    run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
+    run.go()
+    return Result(run.folder)
 
 
-def bed_statistics(path: Path, scenario: Scenario) -> dict[str, float]:
-    """Clumps, porosity of the three spheres and their mean, contacts and overlaps of a packed bed."""
-    clump, bed = derived.clump(scenario), beds.read_bed(path)
-    centres = beds.sphere_centres(bed, clump.half_distance_m)
-    porosities, _ = MeasurementSpheres(scenario).measure(centres)
-    return {"clumps": len(bed), **{f"porosity_{n}": value for n, value in enumerate(porosities, start=1)},
-            "porosity_mean": sum(porosities) / len(porosities),
-            **contact_measures(centres, clump.radius_m, derived.apparatus(scenario))}
+def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
+    """What a calibration compares, of one run; values that a failed or unfinished run lacks are nan."""
+    stages = result.stages
+    clumps = stages.get("packing", {}).get("clumps", float("nan"))
+    values = {
+        "code": result.code,
+        "seed": result.seed,
+        "aspect": scenario["clump.aspect"],
+        "lattice_gap_m": scenario["packing.lattice_gap"],
+        "lattice_sites": lattice.site_count(scenario),
+        "clumps_over_reported": clumps / (REPORTED_CLUMPS * scenario["geometry.width_scale"]),
+    }
+    for stage, names in STAGE_COLUMNS.items():
+        for name in names:
+            values[name if stage == "packing" else f"{stage}_{name}"] = stages.get(stage, {}).get(name, float("nan"))
+    last = result.cycles.iloc[-1] if len(result.cycles) else {}
+    values["cycles"] = len(result.cycles)
+    for name in ("settlement_m", "settlement_peak_m", "lateral_3_m"):
+        values[name] = last.get(name, float("nan"))
+    return values
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -63,30 +79,34 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--scenario", default="linear-mu0.8")
     parser.add_argument("--profile", default="full")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--gaps", type=float, nargs="*", help="m; default: every distinct one from 13 to 15 mm")
-    parser.add_argument("--results", type=Path, default=ROOT / "results")
-    parser.add_argument("--out", type=Path, default=ROOT / "report" / "calibration.csv")
+    parser.add_argument("--gaps", type=float, nargs="*", help="m; default: every distinct one from 13.3 to 15 mm")
+    parser.add_argument("--aspects", type=float, nargs="*", help="default: that of the scenario file")
+    parser.add_argument("--cycles", type=int, default=3)
+    parser.add_argument("--results", type=Path, default=files.ROOT / "results")
+    parser.add_argument("--out", type=Path, default=files.ROOT / "report" / "calibration.csv")
     options = parser.parse_args(argv)
     versions(options.code)
+    options.results = options.results.resolve()
+    options = argparse.Namespace(**vars(options), ranks=1, bed=None, until=None, scenarios=SCENARIO_FILE, progress="lines")
 
-    base = load_scenario(options.scenario, options.profile)
-    rows = []
-    for gap in options.gaps or distinct_gaps(base, 0.013, 0.015):
-        scenario = base.replace("packing.lattice_gap", gap)
-        name = f"gap{gap * 1e3:.2f}mm-{options.code}-seed{options.seed}"
-        run_dir = options.results / "calibration" / options.profile / options.scenario / name
-        bed = pack(scenario, options.code, run_dir, options.seed)
-        sites = lattice.site_count(scenario)
-        statistics = bed_statistics(bed, scenario)
-        expected = REPORTED_CLUMPS * scenario["geometry.width_scale"]
-        rows.append({"code": options.code, "seed": options.seed, "lattice_gap_m": gap, "lattice_sites": sites,
-                     **statistics, "clumps_over_reported": statistics["clumps"] / expected,
-                     "porosity_reported": REPORTED_POROSITY})
-        print(pd.DataFrame(rows[-1:]).to_string(index=False, header=len(rows) == 1), flush=True)
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    pd.DataFrame(rows).to_csv(options.out, index=False)
-    print(f"written: report/{options.out.name}")
-    return 0
+    stop, rows = StopRequest(), []
+    base = load_scenario(options.scenario, options.profile, cycles=options.cycles)
+    gaps = options.gaps or distinct_gaps(base, *GAPS_M)
+    for aspect in options.aspects or [base["clump.aspect"]]:
+        for gap in gaps:
+            scenario = base.replace("packing.lattice_gap", gap).replace("clump.aspect", aspect)
+            try:
+                rows.append(row(scenario, load(scenario, options, stop)))
+            except Interrupted:
+                print("calibrate: stopped; the same command goes on", file=sys.stderr)
+                return 128 + stop.signal
+            except RunError as error:
+                print(error, file=sys.stderr)
+                continue
+            files.write_csv(options.out, [list(rows[0]), *(list(r.values()) for r in rows)])
+            print(pd.DataFrame(rows[-1:]).to_string(index=False), flush=True)
+    print(f"written: {record.relative(options.out)}")
+    return 0 if rows else 1
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, 
 
 FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
-NORMALISED = ("bed_before.csv", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
+NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 
 
 def run_folder(results: Path, profile: str, scenario: str, code: str, seed: int) -> Path:

@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis import files
 from analysis.files import GrowingTable, Row
-from analysis.normalised import beds, microstructure, porosity, tables
+from analysis.normalised import beds, microstructure, porosity, stages, tables
 from analysis.scenarios import derived
 
 
@@ -50,7 +50,7 @@ class Normaliser:
     # ------------------------------------------------------------------ what the driver calls
 
     def before(self) -> None:
-        """Write bed_before.csv and row 0 of microstructure.csv; start the tables anew if the bed is another."""
+        """Write bed_before.csv, stages.json, row 0 of microstructure.csv; start the tables anew if the bed is another."""
         self._begin(tables.EVERYTHING)
 
     def ready(self, n: int) -> bool:
@@ -156,6 +156,10 @@ class Normaliser:
         self._history.rewind(self._done if same else -1)
         if not same:
             files.write_aside(target, text)
+        if not same or not (self.folder / stages.FILE).exists():
+            sleeper_down, plates_out = self._preloaded_places()
+            moved = {"settlement_m": sleeper_down, **{f"lateral_{k}_m": v for k, v in zip(tables.PLATES, plates_out)}}
+            stages.write_stages(self.folder, self.scenario, moved, self._measurement_spheres())
         if self._microstructure.last_cycle() is None:
             sleeper_down, plates_out = self._preloaded_places()
             self._microstructure.append(
@@ -258,11 +262,14 @@ class Normaliser:
             *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES),
         ]
 
-    def _microstructure_row(self, n, bed, sleeper_down, plates_out, lateral, state) -> list[float]:
+    def _measurement_spheres(self) -> porosity.MeasurementSpheres:
         if self._spheres is None:
             self._spheres = porosity.MeasurementSpheres(self.scenario)
+        return self._spheres
+
+    def _microstructure_row(self, n, bed, sleeper_down, plates_out, lateral, state) -> list[float]:
         centres = beds.sphere_centres(bed, self._clump.half_distance_m)
-        porosities, error = self._spheres.measure(centres, sleeper_down, plates_out)
+        porosities, error = self._measurement_spheres().measure(centres, sleeper_down, plates_out)
         values = {
             "cycle": n,
             **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities)},

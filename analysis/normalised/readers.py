@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.normalised import beds, microstructure, tables
+from analysis.normalised import beds, microstructure, stages, tables
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 from analysis.scenarios.schema import KEYS
 
@@ -131,7 +131,7 @@ class Run:
 
     def read(self) -> None:
         """Read what is small now, so that its problems are known at once."""
-        _ = self.scenario, self.cycles, self.microstructure
+        _ = self.scenario, self.cycles, self.microstructure, self.stages
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
@@ -147,6 +147,11 @@ class Run:
     def microstructure(self) -> pd.DataFrame:
         """One row per cycle, row 0 before loading, see `analysis.normalised.tables.MICROSTRUCTURE`."""
         return self._table("microstructure.csv", tables.MICROSTRUCTURE, whole=True)
+
+    @cached_property
+    def stages(self) -> stages.Stages:
+        """The bed after packing and after preload, see `analysis.normalised.stages`; {} without stages.json."""
+        return stages.read_stages(self.folder, lambda what: self._problem(stages.FILE, what))
 
     @cached_property
     def scenario(self) -> Scenario | None:

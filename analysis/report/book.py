@@ -15,7 +15,7 @@ from analysis.normalised import tables
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figures.gallery import Gallery
-from analysis.report.names import short_name
+from analysis.report.names import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
 
@@ -40,7 +40,7 @@ class Book:
     runs: Runs
     """The runs that are drawn: one for each profile, scenario, code and seed."""
     variants: Runs
-    """Runs that were given another run's bed: compared on one page, drawn nowhere."""
+    """Runs that serve one comparison (`is_variant`): shown on its page, not among the others."""
     left_out: list[tuple[Run, str]]
     references: References
     gallery: Gallery
@@ -131,10 +131,11 @@ def known_scenarios() -> list[str]:
 
 
 def is_variant(run: Run) -> bool:
-    """True for a run that was given another run's bed on the command line: made for comparison, not drawn with the
-    others.
+    """True for a run made for one comparison: of a sensitivity scenario, or given another run's bed on the command
+    line.
     """
-    return not str(run.info.get("bed", "own")).startswith(("own", "../../"))
+    given = not str(run.info.get("bed", "own")).startswith(("own", "../../"))
+    return given or bool(SENSITIVITY.fullmatch(run.scenario_name))
 
 
 def changed_keys(one: Run, other: Run) -> list[str]:
@@ -146,18 +147,6 @@ def changed_keys(one: Run, other: Run) -> list[str]:
         and one.scenario[key] != other.scenario[key]
         and not key.startswith(("loading.cycles", "output.", "limits."))
     ]
-
-
-def start_of_loading(run: Run) -> dict[str, float]:
-    """Displacement of the sleeper (m, down) and of the plates (mean, m, outward) in preload; empty without raw
-    files.
-    """
-    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
-    try:
-        first = pd.read_csv(run.folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].iloc[0].astype(float)
-    except (OSError, ValueError, KeyError, IndexError):
-        return {}
-    return {"sleeper": float(first.iloc[0]), "plates": float(first.iloc[1:].mean())}
 
 
 def overview_runs(book: Book, profile: str) -> tuple[Runs, str]:

@@ -6,6 +6,9 @@ import re
 
 MM, KPA = 1e3, 1e-3
 
+SENSITIVITY = re.compile(r"(.+)-(same-bed|half-step|plates-\w+)")
+"""Scenarios of scenarios.toml that only change one assumption of another one."""
+
 SPHERE_NAMES = ("rail seat", "middle", "shoulder")
 
 MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
@@ -19,6 +22,8 @@ SOURCE_NAMES = {
 
 def short_name(scenario: str) -> str:
     """`linear-mu0.8` as a reader of the paper writes it: linear μ 0.8."""
+    if varied := SENSITIVITY.fullmatch(scenario):
+        return f"{short_name(varied[1])}, {varied[2].replace('-', ' ')}"
     for pattern, text in (
         (r"linear-mu([\d.]+)", r"linear μ \1"),
         (r"nonlinear-en1(?:\.0)?", "nonlinear eₙ 1"),

@@ -18,7 +18,7 @@ from analysis.comparison import compare
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.names import short_name
+from analysis.report.names import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
 from analysis.scenarios.scenario import Scenario
 
@@ -106,13 +106,18 @@ class Gallery:
 
     @staticmethod
     def _shades(runs: Runs, order: Sequence[str]) -> dict[str, tuple[str, float]]:
-        """Scenario -> (family, level): members of a family go from pale to deep in the order of the scenario file."""
+        """Scenario -> (family, level): members of a family go from pale to deep in the order of the scenario file.
+
+        Sensitivity scenarios share a family of their own, so that they do not crowd the others.
+        """
         families: dict[str, list[str]] = {}
         setups = {run.scenario_name: run.scenario for run in runs}
         for name in [*order, *sorted(set(setups) - set(order))]:
-            families.setdefault(
-                _family_by_name(name) if setups.get(name) is None else family_of(setups[name]), []
-            ).append(name)
+            if SENSITIVITY.fullmatch(name):
+                family = "other"
+            else:
+                family = _family_by_name(name) if setups.get(name) is None else family_of(setups[name])
+            families.setdefault(family, []).append(name)
         levels = {}
         for family, names in families.items():
             for n, name in enumerate(names):

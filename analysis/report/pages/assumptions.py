@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
+from analysis.comparison import compare
 from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, last_cycle
-from analysis.report.names import MM
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.settlement import settlement_figure
+from analysis.report.names import MM, short_name
 from analysis.report.words import Column, Table, number, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
@@ -46,8 +51,48 @@ def assumptions(book: Book) -> dict:
         "differences": difference_table(scenarios),
         "base": base.name if base else "",
         "sensitivity": table,
+        "plates": plate_laws(book),
         "sensitivity_missing": missing,
     }
+
+
+def plate_laws(book: Book) -> list:
+    """Settlement and lateral displacement under each law of the plates, per profile and contact model."""
+    figures = []
+    runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1]
+    for profile in book.profiles:
+        for base in KEY_SCENARIOS:
+            named = re.compile(re.escape(base) + r"(-plates-\w+)?")
+            members = [run for run in runs if run.profile == profile and named.fullmatch(run.scenario_name)]
+            codes = {run.code for run in members if run.scenario_name != base}
+            members = [run for run in members if run.code in codes]
+            if not members:
+                continue
+            shared = compare.last_common_cycle(members)
+            name = f"plates-{base}-{profile}"
+            figures.append(
+                settlement_figure(
+                    book.gallery,
+                    members,
+                    name,
+                    f"{short_name(base)}: settlement under three laws of the plates",
+                    "Plates driven by the difference of force (the default), by PFC's servo, or not moving at all; from "
+                    "the same packed bed.",
+                    references=False,
+                )
+            )
+            figures.append(
+                lateral_figure(
+                    book.gallery,
+                    members,
+                    f"{name}-lateral",
+                    f"{short_name(base)}: plates under three laws",
+                    "Lateral displacement over depth since the end of preload.",
+                    cycles=sorted({1, shared}),
+                    references=False,
+                )
+            )
+    return figures
 
 
 def difference_table(scenarios: dict[str, Scenario]) -> Table:
@@ -103,7 +148,7 @@ def sensitivity(book: Book) -> tuple[Table, str]:
             Column("change, %", True),
         ],
     )
-    runs = [run for run in book.runs if len(run.cycles) and run.scenario is not None]
+    runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None]
     for n, run in enumerate(runs):
         for other in runs[n + 1 :]:
             if (run.profile, run.code, run.seed) != (other.profile, other.code, other.seed):

@@ -1,0 +1,87 @@
+"""What packing and preload left behind, as stages.json: one small table per stage, units in the names.
+
+    packing   the bed that preload started from: clumps, porosity_1 to _3 and mean, contacts and overlaps, mean contact
+              force (where this run packed it), and bed_sha256, which tells whether two runs began from the same bed
+    preload   the same at its end, with the sleeper's settlement_m (downward) and lateral_1_m to _5_m (outward) since
+              the beginning of preload; both count from zero again in cyclic loading
+
+A function of the raw files only. Not having a file costs what is in it: those values are left out.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from analysis import files
+from analysis.normalised import beds, microstructure, porosity, tables
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
+
+FILE = "stages.json"
+Stages = dict[str, dict[str, float | str]]
+
+
+def write_stages(folder: Path, scenario: Scenario, moved: dict[str, float], spheres: porosity.MeasurementSpheres) -> None:
+    """Write stages.json of a run that has been preloaded; `moved` holds settlement_m and lateral_1_m to _5_m."""
+    raw, stages = folder / "raw", {}
+    for stage, label, places in (("packing", "packed", {}), ("preload", "preloaded", moved)):
+        bed_file, contacts_file = raw / f"bed_{label}.csv", raw / f"contacts_{label}.csv"
+        if not bed_file.exists():
+            continue
+        stages[stage] = {**bed_measures(bed_file, scenario, spheres, places), **places}
+        if contacts_file.exists():
+            forces = microstructure.force_measures(microstructure.read_contacts(contacts_file))
+            if "normal_force_mean_N" in forces:
+                stages[stage]["normal_force_mean_N"] = forces["normal_force_mean_N"]
+        stages[stage]["bed_sha256"] = hashlib.sha256(bed_file.read_bytes()).hexdigest()
+    files.write_aside(folder / FILE, json.dumps(stages, indent=1) + "\n")
+
+
+def bed_measures(
+    path: Path, scenario: Scenario, spheres: porosity.MeasurementSpheres, places: dict[str, float]
+) -> dict[str, float]:
+    """Clumps, porosity of the three spheres and their mean, contacts and overlaps of a bed file.
+
+    `places` tells where sleeper and plates stand (settlement_m, lateral_1_m to _5_m); empty: where they began.
+    Raises ValueError where the file is not a bed.
+    """
+    clump, bed = derived.clump(scenario), beds.read_bed(path)
+    centres = beds.sphere_centres(bed, clump.half_distance_m)
+    at = places.get("settlement_m", 0.0), [places.get(f"lateral_{k}_m", 0.0) for k in tables.PLATES]
+    porosities, _ = spheres.measure(centres, *at)
+    return {
+        "clumps": len(bed),
+        **{f"porosity_{n}": float(value) for n, value in zip(tables.SPHERES, porosities)},
+        "porosity_mean": float(sum(porosities) / len(porosities)),
+        **microstructure.contact_measures(centres, clump.radius_m, derived.apparatus(scenario), *at),
+    }
+
+
+def read_stages(folder: Path, problem: Callable[[str], None]) -> Stages:
+    """stages.json of a run, {} without one; what is damaged or absurd is left out and told to `problem`."""
+    try:
+        found = json.loads((folder / FILE).read_bytes().decode("utf-8"))
+        if not isinstance(found, dict) or not all(isinstance(table, dict) for table in found.values()):
+            raise ValueError("is no table of stages")
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, RecursionError) as error:
+        problem(f"is damaged ({' '.join(str(error).split())}); nothing of it is used")
+        return {}
+    stages: Stages = {}
+    for stage, table in found.items():
+        good = {name: value for name, value in table.items() if _is_possible(name, value)}
+        if len(good) < len(table):
+            problem(f"{stage}: {', '.join(sorted(set(table) - set(good)))} cannot be: not used")
+        stages[stage] = good
+    return stages
+
+
+def _is_possible(name: str, value) -> bool:
+    if name == "bed_sha256":
+        return isinstance(value, str)
+    low, high = tables.plausible_range(name)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
