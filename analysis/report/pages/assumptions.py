@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, last_cycle
+from analysis.comparison.quantities import last_cycle
+from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios
 from analysis.report.names import MM
 from analysis.report.words import Column, Table, number, shown
 from analysis.scenarios import derived

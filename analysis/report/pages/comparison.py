@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import compare, quantities
+from analysis.comparison.quantities import last_cycle
 from analysis.normalised import beds, tables
 from analysis.normalised.readers import Run
 from analysis.report.book import (
@@ -17,7 +18,6 @@ from analysis.report.book import (
     changed_keys,
     code_of,
     is_variant,
-    last_cycle,
     name_of,
     overview_runs,
     start_of_loading,
