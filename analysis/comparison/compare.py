@@ -16,14 +16,13 @@ import pandas as pd
 from analysis.comparison import quantities
 from analysis.normalised import tables
 
-CODES = ("yade", "liggghts")
 AGREEMENT = (
     "profile",
     "scenario",
     "quantity",
     "cycle",
     "unit",
-    *(f"{code}_{what}" for code in CODES for what in ("mean", "low", "high", "seeds")),
+    *(f"{code}_{what}" for code in tables.CODES for what in ("mean", "low", "high", "seeds")),
     "difference",
     "ratio",
     "seed_scatter",
@@ -77,7 +76,7 @@ def agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_SHOWN) -
             code: [
                 r for r in runs if (r.profile, r.scenario_name, r.code) == (profile, scenario, code) and len(r.cycles)
             ]
-            for code in CODES
+            for code in tables.CODES
         }
         if not all(members.values()):
             continue
@@ -134,7 +133,7 @@ def _compare(samples: dict[str, np.ndarray]) -> tuple:
     within = None if math.isnan(scatter) else bool(abs(difference) <= 2 * error)
     bands = [
         x
-        for code in CODES
+        for code in tables.CODES
         for x in (means[code], float(samples[code].min()), float(samples[code].max()), len(samples[code]))
     ]
     return *bands, difference, ratio, scatter, within
@@ -152,7 +151,7 @@ def lateral_agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_
     for profile, scenario in dict.fromkeys((run.profile, run.scenario_name) for run in runs):
         found = {
             code: [r for r in runs if (r.profile, r.scenario_name, r.code) == (profile, scenario, code)]
-            for code in CODES
+            for code in tables.CODES
         }
         last = last_common_cycle(found["yade"] + found["liggghts"])
         if not all(found.values()) or not last:

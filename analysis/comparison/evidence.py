@@ -14,9 +14,11 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from analysis.comparison.claimed_quantities import lateral_profile, profile_error
+from analysis.comparison.quantities import last_cycle
 from analysis.comparison.uncertainty import Estimate, coverage, pooled, propagate
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
+from analysis.scenarios.schema import NO_PHYSICS
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable yet"
 
@@ -113,11 +115,11 @@ class Evidence:
 
     def reached(self, cycles: int) -> list:
         """Runs that have finished at least `cycles` cycles."""
-        return [r for r in self.runs if _last_cycle(r) >= cycles]
+        return [r for r in self.runs if last_cycle(r) >= cycles]
 
     def common_cycle(self, least: int) -> int:
         """The last cycle that all runs of the claim have reached; those that stopped before `least` do not count."""
-        return min((_last_cycle(r) for r in self.reached(least) if r.scenario_name in self.claim.runs), default=least)
+        return min((last_cycle(r) for r in self.reached(least) if r.scenario_name in self.claim.runs), default=least)
 
     def measure(self, name: str, function: Callable, cycles: int, relative: bool = True,
                 stated: str | None = None, runs: list | None = None) -> dict[str, Measured]:
@@ -149,7 +151,7 @@ class Evidence:
                 Measured(f"{name}, {s}", missing=(self._why_missing(s, cycles),)) for s in self.claim.runs}
 
     def _why_missing(self, scenario: str, cycles: int) -> str:
-        lengths = [_last_cycle(r) for r in self.runs if r.scenario_name == scenario]
+        lengths = [last_cycle(r) for r in self.runs if r.scenario_name == scenario]
         if not lengths:
             return f"{RUN}{scenario}"
         if max(lengths) < cycles:
@@ -221,13 +223,9 @@ def _together(missing: Iterable[str]) -> tuple[str, ...]:
 def _longest(runs: list) -> list:
     """One run for each scenario and seed, the one with most cycles."""
     best: dict[tuple, object] = {}
-    for run in sorted(runs, key=_last_cycle):
+    for run in sorted(runs, key=last_cycle):
         best[run.scenario_name, run.seed] = run
     return list(best.values())
-
-
-def _last_cycle(run) -> int:
-    return int(run.cycles["cycle"].iloc[-1]) if len(run.cycles) else 0
 
 
 def _notes(runs: Iterable) -> tuple[str, ...]:
@@ -241,7 +239,7 @@ def _notes(runs: Iterable) -> tuple[str, ...]:
         except ScenarioError:
             continue
         changed = [line for line in (today.differences(run.scenario) if run.scenario else [])
-                   if not line.startswith(("loading.cycles", "output.", "limits."))]
+                   if not line.startswith(NO_PHYSICS)]
         if changed:
             more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
             note = f"made with other parameters than today's (today -> then): {'; '.join(changed[:3])}{more}"

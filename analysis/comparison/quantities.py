@@ -33,6 +33,11 @@ PER_CYCLE = (
 SUMMARY = ("quantity", "cycle", "value", "low", "high", "unit", "missing")
 
 
+def last_cycle(run) -> int:
+    """Number of the last finished cycle; 0 without one."""
+    return int(run.cycles["cycle"].iloc[-1]) if len(run.cycles) else 0
+
+
 # ---------------------------------------------------------------------- cycle by cycle
 
 

@@ -17,7 +17,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.lattice import lattice_bed
 from analysis.scenarios.scenario import Scenario
 
-CODES = ("yade", "liggghts")
+CODES = tables.CODES
 STAGES = ("packing", "preload", "cyclic")
 CHECKPOINT_SUFFIX = {"yade": "yade.gz", "liggghts": "restart"}
 HOST = ROOT / "liggghts" / "build" / "ballast"

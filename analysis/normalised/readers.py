@@ -23,7 +23,6 @@ from analysis.normalised import beds, microstructure, stages, tables
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 from analysis.scenarios.schema import KEYS
 
-CODES = ("yade", "liggghts")
 IDENTITY = ("profile", "scenario", "code", "seed")
 
 _INFO_TYPES = {
@@ -118,7 +117,7 @@ class Run:
         name, _, seed = parts[2].partition("-seed")
         self.profile: str = self.info.get("profile") or parts[0]
         self.scenario_name: str = self.info.get("scenario") or parts[1]
-        self.code: str = self.info["code"] if self.info.get("code") in CODES else name
+        self.code: str = self.info["code"] if self.info.get("code") in tables.CODES else name
         self.seed: int = self.info.get("seed", int(seed) if seed.isdigit() else 1)
 
     def __repr__(self) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from analysis import files
 
+CODES = ("yade", "liggghts")
 PLATES = range(1, 6)
 SPHERES = range(1, 4)
 EVERYTHING = float("inf")

@@ -18,6 +18,7 @@ from analysis.report.figures.gallery import Gallery
 from analysis.report.names import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
+from analysis.scenarios.schema import NO_PHYSICS
 
 KEY_SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
 """The two the paper's discussion rests on; the overview shows them, and scenarios that are not the paper's."""
@@ -82,11 +83,6 @@ def name_of(run: Run) -> str:
     return f"{short_name(run.scenario_name)}, {code_of(run)}"
 
 
-def last_cycle(run: Run) -> int:
-    """Number of the last finished cycle; 0 without one."""
-    return int(run.cycles["cycle"].iloc[-1]) if len(run.cycles) else 0
-
-
 def state_of(run: Run) -> tuple[str, str]:
     """State and reason; what says it is running but belongs to no process was interrupted."""
     state, reason = run.info.get("state", "unknown"), run.info.get("reason") or ""
@@ -145,7 +141,7 @@ def changed_keys(one: Run, other: Run) -> list[str]:
         for key in one.scenario.parameters
         if key in other.scenario.parameters
         and one.scenario[key] != other.scenario[key]
-        and not key.startswith(("loading.cycles", "output.", "limits."))
+        and not key.startswith(NO_PHYSICS)
     ]
 
 

@@ -14,12 +14,13 @@ from pathlib import Path
 import jinja2
 
 from analysis.comparison.claims import ClaimError
+from analysis.comparison.quantities import last_cycle
 from analysis.driver import record
 from analysis.files import ROOT, write_aside
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import style
-from analysis.report.book import Book, is_variant, known_scenarios, last_cycle, verification_rows
+from analysis.report.book import Book, is_variant, known_scenarios, verification_rows
 from analysis.report.figures.gallery import Gallery
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.claims import claims_page

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 STATUSES = ("reported", "derived", "assumed", "calibrated")
 PROFILE_KEYS = ("geometry.width_scale", "packing.lattice_gap", "loading.cycles", "output.checkpoint_cycles",
                 "output.keep_beds")
+NO_PHYSICS = ("loading.cycles", "output.", "limits.")
+"""Keys that start so say how long a run goes on, what it writes and when it stops, not what it simulates."""
 
 
 @dataclass(frozen=True)

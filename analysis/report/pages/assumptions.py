@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from analysis.comparison import compare
-from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, last_cycle
+from analysis.comparison.quantities import last_cycle
+from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.names import MM, short_name

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import compare, quantities
+from analysis.comparison.quantities import last_cycle
 from analysis.report.book import (
     PROFILE_TEXT,
     Book,
     changed_keys,
     code_of,
-    last_cycle,
     name_of,
     overview_runs,
 )

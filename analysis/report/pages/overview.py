@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.comparison import evidence
+from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
 from analysis.report.book import (
@@ -12,7 +13,6 @@ from analysis.report.book import (
     PROFILE_TEXT,
     Book,
     known_scenarios,
-    last_cycle,
     name_of,
     overview_runs,
     tracking_percent,

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 from analysis.comparison import compare, settlement
+from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
-from analysis.normalised.readers import Runs
+from analysis.normalised.readers import Run, Runs
 from analysis.report.book import (
     KEY_SCENARIOS,
     PAPER_SCENARIO,
     Book,
     known_scenarios,
-    last_cycle,
     name_of,
     overview_runs,
 )
 from analysis.report.figures.beds import bed_figure
-from analysis.report.figures.gallery import family_of
+from analysis.report.figures.gallery import Figure, Gallery, family_of
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
@@ -43,10 +44,7 @@ def paper_figures(book: Book) -> dict:
     )
     waits = "It appears as soon as a run of one of its scenarios has finished a cycle."
 
-    def family(*names: str) -> Runs:
-        return Runs(run for run in runs if family_of(run.scenario) in names)
-
-    linear, undamped = family("linear"), family("nonlinear")
+    linear = of_family(runs, "linear")
     groups = [
         bed_group(book, profile),
         {
@@ -87,50 +85,28 @@ def paper_figures(book: Book) -> dict:
         {
             "title": "Figure 11: settlement, nonlinear model",
             "missing": waits,
-            "figures": [
-                settlement_figure(
-                    g,
-                    Runs([*undamped, *family(f"md{mode}")]),
-                    f"figure11-md{mode}",
-                    f"Figure 11 remade: settlement, Md {mode} ({MODE_NAMES[mode]})",
-                    "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
-                )
-                for mode in (0, 1, 2)
-                if family(f"md{mode}")
-            ]
-            or [
-                settlement_figure(
-                    g,
-                    undamped,
-                    "figure11-en1",
-                    "Figure 11 remade: settlement, nonlinear contacts, eₙ = 1",
-                    "The only nonlinear scenario with a run so far; eₙ = 1 is the same law in all damping modes.",
-                )
-            ],
+            "figures": mode_figures(
+                g,
+                runs,
+                settlement_figure,
+                "figure11",
+                "Figure 11 remade: settlement",
+                "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
+                "The only nonlinear scenario with a run so far; eₙ = 1 is the same law in all damping modes.",
+            ),
         },
         {
             "title": "Figure 12: lateral displacement, nonlinear model",
             "missing": waits,
-            "figures": [
-                lateral_figure(
-                    g,
-                    Runs([*undamped, *family(f"md{mode}")]),
-                    f"figure12-md{mode}",
-                    f"Figure 12 remade: lateral displacement, Md {mode} ({MODE_NAMES[mode]})",
-                    "Over depth below the sleeper.",
-                )
-                for mode in (0, 1, 2)
-                if family(f"md{mode}")
-            ]
-            or [
-                lateral_figure(
-                    g,
-                    undamped,
-                    "figure12-en1",
-                    "Figure 12 remade: lateral displacement, nonlinear contacts, eₙ = 1",
-                    "Over depth below the sleeper.",
-                )
-            ],
+            "figures": mode_figures(
+                g,
+                runs,
+                lateral_figure,
+                "figure12",
+                "Figure 12 remade: lateral displacement",
+                "Over depth below the sleeper.",
+                "Over depth below the sleeper.",
+            ),
         },
         {
             "title": "Figure 13: porosity",
@@ -208,6 +184,32 @@ def paper_figures(book: Book) -> dict:
         "reference_note": note,
         "reference_problems": book.references.problems,
     }
+
+
+def of_family(runs: Sequence[Run], name: str) -> Runs:
+    """The runs of one family of scenarios, see `family_of`."""
+    return Runs(run for run in runs if family_of(run.scenario) == name)
+
+
+def mode_figures(
+    g: Gallery,
+    runs: Sequence[Run],
+    figure: Callable[..., Figure | None],
+    name: str,
+    title: str,
+    caption: str,
+    caption_alone: str,
+) -> list[Figure | None]:
+    """A figure for each damping mode that has a run, with the undamped runs in each; else one of these alone."""
+    undamped = of_family(runs, "nonlinear")
+    by_mode = {mode: of_family(runs, f"md{mode}") for mode in MODE_NAMES}
+    return [
+        figure(
+            g, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption
+        )
+        for mode, damped in by_mode.items()
+        if damped
+    ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption_alone)]
 
 
 def bed_group(book: Book, profile: str) -> dict:

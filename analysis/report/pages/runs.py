@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.book import Book, last_cycle, name_of, speed, state_of, timing, tracking_percent
+from analysis.report.book import Book, name_of, speed, state_of, timing, tracking_percent
 from analysis.report.figures.gallery import run_id
 from analysis.report.figures.load import tracking_figure
 from analysis.report.names import KPA, MM
