@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import signal
 import subprocess
 
@@ -235,7 +236,7 @@ def test_a_bed_of_other_clumps_is_refused(undisturbed, tmp_path):
     done = drive(
         FAKE, *LINEAR, "--results", tmp_path, "--scenarios", path, "--bed", undisturbed / "raw" / "bed_packed.csv"
     )
-    assert done.returncode == 1 and "clump.aspect: 1.875 -> 1.5" in done.stderr
+    assert done.returncode == 1 and re.search(r"clump.aspect: [\d.]+ -> 1.5;", done.stderr)
 
 
 def test_two_runs_that_need_one_bed_pack_it_once(tmp_path):
