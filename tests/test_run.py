@@ -200,6 +200,18 @@ def test_a_changed_limit_of_the_watch_is_no_change_of_the_bed(finished, tmp_path
     assert drive(FAKE, *LINEAR, "--results", results, "--scenarios", path).returncode == 0
 
 
+def test_a_bed_that_is_only_packed_serves_another_load(tmp_path):
+    arguments = (*LINEAR, "--results", tmp_path)
+    assert drive(FAKE, *arguments, "--until", "packing").returncode == 0
+    lighter = variant(tmp_path, "sleeper_mass", "5.0")
+    done = drive(FAKE, *arguments, "--scenarios", lighter)
+    assert done.returncode == 0, done.stderr
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    assert json.loads((folder / "scenario.json").read_text())["parameters"]["load_control.sleeper_mass"]["value"] == 5.0
+    rougher = drive(FAKE, *arguments, "--scenarios", variant(tmp_path, "compaction_friction", "0.6"))
+    assert rougher.returncode == 1 and "packing.compaction_friction: 0.5 -> 0.6" in rougher.stderr
+
+
 def test_another_bed_is_refused(finished, undisturbed):
     results, _ = finished
     done = drive(FAKE, *LINEAR, "--results", results, "--bed", undisturbed / "raw" / "bed_packed.csv")

@@ -30,6 +30,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 
 FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
+AFTER_PACKING = (*FREE_KEYS, "load_control.", "preload.", "loading.", "output.")  # packing reads none of these
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 
@@ -233,14 +234,19 @@ class Run:
             path.unlink(missing_ok=True)
 
     def _refuse_changes(self) -> None:
-        """A packed or loaded bed of other parameters is left alone; without one there is nothing to lose."""
+        """A packed or loaded bed of other parameters is left alone; without one there is nothing to lose.
+
+        As long as a bed is packed only, what packing does not read may change.
+        """
         if not self.bed_file.exists():
             return
         try:
             stored = Scenario.from_json((self.folder / "scenario.json").read_text())
         except (OSError, ValueError, KeyError, TypeError):
             raise RunError(f"{self.folder}/scenario.json: cannot be read; {self._start_over()}") from None
-        changes = _differences(stored, self.scenario, lambda key: not key.startswith(FREE_KEYS))
+        loaded = any(self.kept.glob("cyclic_*")) or (self.folder / "cycles.csv").exists()
+        free = FREE_KEYS if loaded else AFTER_PACKING
+        changes = _differences(stored, self.scenario, lambda key: not key.startswith(free))
         bed = (record.read(self.folder) or {}).get("bed", self._bed_name())
         if bed != self._bed_name():
             changes.append(f"bed: {bed} -> {self._bed_name()}")
