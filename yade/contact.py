@@ -23,6 +23,8 @@ from analysis import laws
 O = Omega()
 VERLET_DISTANCE = 0.0004
 """By how much the collider enlarges the spheres, m; 0.2-0.5 mm is fastest."""
+SAME_REACH = -1
+"""targetInterv: with a reach fitted to each sphere the collider runs at every other step once a checkpoint was loaded."""
 MEETS_PARTICLES, MEETS_WALLS, IS_WALL = 1, 2, 4
 
 
@@ -114,7 +116,7 @@ class ContactLaw:
         """Collider and contact loop."""
         return [
             InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb()], verletDist=VERLET_DISTANCE,
-                                  avoidSelfInteractionMask=MEETS_WALLS, label="collider"),
+                                  targetInterv=SAME_REACH, avoidSelfInteractionMask=MEETS_WALLS, label="collider"),
             # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS.
             InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), Ig2_Box_Sphere_ScGeom(),
                              Ig2_Wall_Sphere_ScGeom(noRatch=False)],

@@ -16,6 +16,7 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 
 import stage                                            # noqa: E402
 from bed import Bed                                     # noqa: E402
+from contact import SAME_REACH                          # noqa: E402
 from load_control import LoadControl                    # noqa: E402
 from state import write_contacts                        # noqa: E402
 
@@ -28,6 +29,7 @@ def load(run: stage.Stage, checkpoint: Path) -> None:
         O.load(str(checkpoint))
     except RuntimeError:
         raise stage.StageError(f"cyclic: {checkpoint.name} cannot be read; start from an earlier checkpoint") from None
+    run.collider.targetInterv = SAME_REACH              # for checkpoints that older versions wrote
     s = run.scenario
     run.step = int(O.tags["step"])
     run.bed = Bed(s, json.loads(O.tags["clumps"]))

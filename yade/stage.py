@@ -105,6 +105,11 @@ class Stage:
         """YADE's integrator."""
         return next(engine for engine in O.engines if engine.label == "newton")
 
+    @property
+    def collider(self):
+        """YADE's collider."""
+        return next(engine for engine in O.engines if engine.label == "collider")
+
     def at_rest(self, row: StateRow, criterion: str = "rest.") -> bool:
         """True where the bed meets both limits, the keys `criterion`unbalanced_ratio and `criterion`kinetic_energy."""
         return (row.unbalanced_ratio <= self.scenario[criterion + "unbalanced_ratio"]
