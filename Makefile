@@ -18,7 +18,7 @@ OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULT
 FOLDER    = $(RESULTS)/$(PROFILE)/$(SCENARIO)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run status compare report view verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run status compare report view keep verify impact mutations sanitize reference calibrate bench \
         test clean distclean distclean-run FORCE
 
 help: ## this list
@@ -56,6 +56,12 @@ compare: $(STAMP) ## rebuild report/index.html from the runs that exist
 report: compare ## the same
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
 	@$(ANALYSIS) view $(SCENARIO) --code $(CODE) --profile $(PROFILE) --seed $(SEED) --results $(RESULTS)
+keep: ## put a run's normalised results into the repository: make keep SCENARIO=... CODE=... PROFILE=full
+	@test -f '$(FOLDER)/cycles.csv' -o -f '$(FOLDER)/stages.json' || { echo 'no results in $(FOLDER): run it first'; exit 1; }
+	@mkdir -p 'reference_data/runs/$(FOLDER:$(RESULTS)/%=%)'
+	@for name in run.json scenario.json stages.json cycles.csv microstructure.csv; do \
+	    if test -f '$(FOLDER)'/$$name; then cp '$(FOLDER)'/$$name 'reference_data/runs/$(FOLDER:$(RESULTS)/%=%)'/; fi; done
+	@echo 'kept in reference_data/runs/$(FOLDER:$(RESULTS)/%=%); git add and commit it'
 reference: $(STAMP) ## the reference curves and their state
 	@$(ANALYSIS) reference
 
