@@ -30,7 +30,8 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 
 FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
-AFTER_PACKING = (*FREE_KEYS, "load_control.", "preload.", "loading.", "output.")  # packing reads none of these
+# Packing reads none of these. The frequency and the rows and blocks of a cycle are not among them: they make its time grid.
+AFTER_PACKING = (*FREE_KEYS, "load_control.", "preload.", "loading.stress_", "output.checkpoint_cycles", "output.keep_beds")
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 

@@ -156,12 +156,14 @@ class Normaliser:
         self._history.rewind(self._done if same else -1)
         if not same:
             files.write_aside(target, text)
-        if not same or not (self.folder / stages.FILE).exists():
+        without_stages = not same or not (self.folder / stages.FILE).exists()
+        without_start = self._microstructure.last_cycle() is None
+        if without_stages or without_start:
             sleeper_down, plates_out = self._preloaded_places()
+        if without_stages:
             moved = {"settlement_m": sleeper_down, **{f"lateral_{k}_m": v for k, v in zip(tables.PLATES, plates_out)}}
             stages.write_stages(self.folder, self.scenario, moved, self._measurement_spheres())
-        if self._microstructure.last_cycle() is None:
-            sleeper_down, plates_out = self._preloaded_places()
+        if without_start:
             self._microstructure.append(
                 [self._microstructure_row(0, self._first_bed, sleeper_down, plates_out, [0.0] * 5, {})]
             )
