@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
@@ -77,7 +78,7 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
     out.mkdir(parents=True, exist_ok=True)
     found = [*load_runs(results), *load_runs(kept_runs)]
     runs, left_out = choose([run for run in found if not is_variant(run)])
-    variants = Runs(run for run in found if is_variant(run))
+    variants = without_copies(run for run in found if is_variant(run))
     verification, problems = verification_rows(out)
     for line in problems:
         print(f"warning: {line}", file=sys.stderr)
@@ -102,6 +103,17 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
         if path.stem not in {panel.name for figure in gallery.figures for panel in figure.panels}:
             path.unlink()  # of a figure that this report no longer has
     return book
+
+
+def without_copies(variants: Iterable[Run]) -> Runs:
+    """The longest of runs that differ in nothing a comparison asks for, such as a run and its copy in the repository."""
+    best: dict[tuple, Run] = {}
+    for run in variants:
+        step = run.scenario["time.step"] if run.scenario else None
+        key = (*run.identity.values(), run.info.get("bed"), step)
+        if key not in best or last_cycle(run) > last_cycle(best[key]):
+            best[key] = run
+    return Runs(best.values())
 
 
 def choose(runs: list[Run]) -> tuple[Runs, list[tuple[Run, str]]]:
