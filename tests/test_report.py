@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import shutil
 import struct
 import warnings
 import xml.etree.ElementTree as xml

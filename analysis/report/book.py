@@ -11,7 +11,6 @@ import pandas as pd
 
 from analysis.comparison import claims, compare
 from analysis.driver import status
-from analysis.normalised import tables
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figures.gallery import Gallery
