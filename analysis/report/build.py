@@ -76,7 +76,10 @@ def main(argv: list[str]) -> int:
 def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = REFERENCE_FOLDER) -> Book:
     """Read the runs below `results` and those kept in the repository, and write the site to `out`."""
     out.mkdir(parents=True, exist_ok=True)
-    found = [*load_runs(results), *load_runs(kept_runs)]
+    kept = load_runs(kept_runs)
+    for run in kept:
+        run.id = f"kept/{run.id}"
+    found = [*load_runs(results), *kept]
     runs, left_out = choose([run for run in found if not is_variant(run)])
     variants = without_copies(run for run in found if is_variant(run))
     verification, problems = verification_rows(out)
@@ -129,8 +132,7 @@ def choose(runs: list[Run]) -> tuple[Runs, list[tuple[Run, str]]]:
     left_out = [
         (
             run,
-            f"{best[tuple(run.identity.values())].id} is the same scenario, code and seed and has at least as many "
-            f"cycles",
+            f"{best[tuple(run.identity.values())].id} is the same scenario, code and seed and goes at least as far",
         )
         for run in runs
         if id(run) not in kept

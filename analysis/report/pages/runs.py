@@ -75,7 +75,7 @@ def runs_page(book: Book) -> dict:
         ],
     )
     entries = []
-    for run in book.runs:
+    for run in (*book.runs, *book.variants):
         versions = run.info.get("versions", {})
         state, reason = state_of(run)
         commit = str(run.info.get("git_commit") or "")[:10] or "–"
@@ -93,8 +93,8 @@ def runs_page(book: Book) -> dict:
         )
         entries.append(run_entry(run, state, reason))
     summary.note = (
-        "A commit with + had changes that were not committed. Runs below runs/ are the ones kept in the "
-        "repository; they have no beds."
+        "A commit with + had changes that were not committed. Runs below kept/ are the copies in reference_data/runs; "
+        "they have no beds."
     )
     left_out = Table(
         "Runs that are not drawn",
