@@ -116,6 +116,39 @@ def test_known_bulge(run):
     assert value(quantities.summary(run), "bulge_volume_m3", CYCLES)["value"] == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(
+    ("curve", "trend"),
+    [
+        (lambda n: 1e-3 * (1 + 0.3 * np.log(n)), "slowing"),
+        (lambda n: 1e-3 * n**0.17, "slowing"),
+        (lambda n: 1e-4 * n, "steady"),
+        (lambda n: 1e-4 * n + 1e-5 * n**2, "growing"),
+    ],
+)
+@pytest.mark.parametrize("cycles", [20, 36, 100])
+def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fails(curve, trend, cycles):
+    class Bed:
+        pass
+
+    bed, n = Bed(), np.arange(1, cycles + 1)
+    bed.cycles = pd.DataFrame({"cycle": n, "settlement_m": curve(n), **{f"lateral_{k}_m": 2e-5 * n for k in range(1, 6)}})
+    bed.microstructure = pd.DataFrame({"cycle": [0, *n], "crib_heave_m": [0, *(-1e-5 * n)]})
+    rates = quantities.settling_rates(bed)
+    assert quantities.settling_trend(bed) == trend
+    assert rates["last_cycle"].iloc[-1] == cycles and list(rates["first_cycle"][:4]) == [0, 1, 2, 5]
+    np.testing.assert_allclose(rates["lateral_rate_m"], 2e-5, rtol=1e-9)
+    np.testing.assert_allclose(rates["crib_heave_rate_m"], -1e-5, rtol=1e-9)
+    spans = rates["last_cycle"] - rates["first_cycle"]
+    assert (spans * rates["settlement_rate_m"]).sum() == pytest.approx(curve(cycles))
+
+
+@pytest.mark.parametrize("cycles", [0, 1, 2])
+def test_a_run_of_a_cycle_or_none_has_no_trend(results, cycles):
+    (run,) = load_runs(results, scenario="nonlinear-en1.0")
+    run.cycles = run.cycles.iloc[:cycles]
+    assert quantities.settling_trend(run) == "" and len(quantities.settling_rates(run)) == cycles
+
+
 def test_late_slope_and_its_interval(run):
     n, held = np.arange(1, 1001), 0
     for seed in range(20):

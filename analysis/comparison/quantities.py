@@ -21,6 +21,10 @@ LEAST_LATE_CYCLES = 10
 LEAST_LOOP_ROWS = 16
 """A loop of fewer rows is too coarse for its area."""
 
+RATE_EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+"""Cycles between which the rate of settling is taken: a logarithm falls by half or more from each span to the next."""
+RATES = ("first_cycle", "last_cycle", "settlement_rate_m", "lateral_rate_m", "crib_heave_rate_m")
+
 PER_CYCLE = (
     "cycle",
     "settlement_increment_m",
@@ -139,6 +143,40 @@ def late_slope(
         return math.nan, math.nan, math.nan
     fitted = settlement.fit("line", cycles, values, level=level)
     return fitted.values["b"], *fitted.intervals["b"]
+
+
+def settling_rates(run) -> pd.DataFrame:
+    """How fast a run settles, its plates move out and its cribs heave, m per cycle, in spans of cycles (columns RATES).
+
+    The spans end at RATE_EDGES and at the last cycle, where that leaves at least half of a span.
+    """
+    cycles, done = run.cycles.set_index("cycle"), last_cycle(run)
+    edges = [n for n in RATE_EDGES if n <= done]
+    if edges and len(edges) < len(RATE_EDGES) and 2 * (done - edges[-1]) >= RATE_EDGES[len(edges)] - edges[-1]:
+        edges.append(done)
+    inner = run.microstructure.set_index("cycle")["crib_heave_m"]
+    whole = pd.DataFrame(
+        {
+            "settlement_rate_m": cycles["settlement_m"],
+            "lateral_rate_m": cycles[[f"lateral_{k}_m" for k in tables.PLATES]].mean(axis=1, skipna=False),
+            "crib_heave_rate_m": inner[~inner.index.duplicated()],
+        }
+    ).reindex(edges)
+    whole.loc[whole.index == 0] = 0.0  # all three are zero at the end of preload
+    rates = whole.diff().div(np.diff(edges, prepend=np.nan), axis=0).iloc[1:]
+    return rates.reset_index(drop=True).assign(first_cycle=edges[:-1], last_cycle=edges[1:])[list(RATES)]
+
+
+def settling_trend(run) -> str:
+    """Whether a run's settling slows down: "slowing", "steady", "growing", or "" with too few cycles to say.
+
+    From the last span of `settling_rates` over the one before: below 0.8 it slows down, above 1.25 it grows.
+    """
+    rates = settling_rates(run)["settlement_rate_m"].to_numpy()
+    if len(rates) < 3 or not np.isfinite(rates[-2:]).all() or rates[-2] <= 0:
+        return ""
+    ratio = rates[-1] / rates[-2]
+    return "slowing" if ratio < 0.8 else "growing" if ratio > 1.25 else "steady"
 
 
 def porosity_order(porosities, error: float = 0.0) -> str:

@@ -113,6 +113,12 @@ def comparison(book: Book) -> dict:
             },
             {"heading": "Packed beds and seeds", "table": seed_table(book, profile)},
             {
+                "heading": "Does it shake down?",
+                "text": "A bed that shakes down settles ever more slowly; one that ratchets settles by as much in each "
+                "cycle; one that fails settles faster and faster, while its cribs heave and its plates give way.",
+                "table": rates_table(book, profile),
+            },
+            {
                 "heading": "Response within a cycle",
                 "figure": stroke_figure(
                     g,
@@ -224,6 +230,50 @@ def seed_table(book: Book, profile: str) -> Table | None:
     table.note = (
         "The paper reports 4583 clumps (4429 in its nonlinear model) and a porosity of about 0.35 under the sleeper. "
         "Scenarios whose bed another scenario packed show that bed."
+    )
+    return table
+
+
+TREND_KIND = {"slowing": "good", "steady": "open", "growing": "bad"}
+
+
+def rates_table(book: Book, profile: str) -> Table | None:
+    """How fast each run settles, span by span of cycles, and how fast plates and cribs go with it in the last span."""
+    runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile and len(run.cycles)]
+    found = {run.id: quantities.settling_rates(run) for run in runs}
+    ends = [b for b in quantities.RATE_EDGES if any(b in set(rates["last_cycle"]) for rates in found.values())]
+    if len(ends) < 3:
+        return None
+    starts = quantities.RATE_EDGES
+    table = Table(
+        "Settlement at minimum load per cycle, µm, in spans of cycles",
+        [
+            Column("run"),
+            *(Column(f"{starts[starts.index(b) - 1]} to {b}", True) for b in ends),
+            Column("last span", True),
+            Column("settling", True),
+            Column("plates", True),
+            Column("heave of cribs", True),
+            Column("trend"),
+        ],
+    )
+    for run in runs:
+        rates, trend = found[run.id], quantities.settling_trend(run)
+        if rates.empty:
+            continue
+        by_end, last = rates.set_index("last_cycle")["settlement_rate_m"], rates.iloc[-1]
+        table.rows.append(
+            [
+                name_of(run),
+                *(number(by_end.get(b, np.nan), 3, 1e6) for b in ends),
+                f"{last['first_cycle']:.0f} to {last['last_cycle']:.0f}",
+                *(number(last[f"{what}_rate_m"], 3, 1e6) for what in ("settlement", "lateral", "crib_heave")),
+                Chip(trend or "too short", TREND_KIND.get(trend, "calm")),
+            ]
+        )
+    table.note = (
+        "Plates: mean of the five, outward. Heave: mean of the clumps that began beside the sleeper. The trend compares "
+        "the last span with the one before: below 0.8 of its rate is slowing (a logarithm has 0.4 to 0.5), above 1.25 growing."
     )
     return table
 
