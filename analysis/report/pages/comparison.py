@@ -148,15 +148,19 @@ def comparison(book: Book) -> dict:
                     few,
                     f"micro-{profile}",
                     "Inside the bed",
-                    "Contacts per clump, largest overlap, share of sliding contacts, mean rotation since the end of "
-                    "preload, heave of the cribs, and shoulder bulge.",
+                    "Contacts per clump, mean and largest overlap, share of sliding contacts, mean rotation since the "
+                    "end of preload, heave of the cribs, shoulder bulge, and how far from rest the bed still is at "
+                    "minimum load: kinetic energy per clump and net over contact force.",
                     [
                         ("coordination_number", "contacts per clump", 1, ""),
+                        ("overlap_mean_m", "mean overlap, µm", 1e6, "µm"),
                         ("overlap_max_ratio", "largest overlap, % of radius", 100, "%"),
                         ("sliding_share", "sliding contacts, %", 100, "%"),
                         ("rotation_mean_rad", "mean rotation, degrees", 180 / np.pi, "°"),
                         ("crib_heave_m", "heave of the cribs, mm", MM, "mm"),
                         ("bulge_volume_m3", "shoulder bulge, cm³", 1e6, "cm³"),
+                        ("kinetic_energy_J", "kinetic energy, mJ per clump", 1e3, "mJ"),
+                        ("unbalanced_ratio", "unbalanced ratio", 1, ""),
                     ],
                 ),
             },

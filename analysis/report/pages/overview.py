@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from analysis.comparison import evidence
+from analysis.comparison import evidence, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
@@ -28,6 +29,10 @@ from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table
 from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
 from analysis.report.words import number, plural
+from analysis.scenarios import derived
+
+LEAST_TREND_CYCLES = 10
+"""In fewer cycles than this every bed slows down."""
 
 
 def overview(book: Book) -> dict:
@@ -148,6 +153,7 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(
                 f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
             )
+        lines += settling(overview_runs(book, profile)[0])
         if profile == "full":
             lines += packed_beds(runs)
         worst = max(runs, key=lambda run: tracking_percent(run))
@@ -165,6 +171,35 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
         if found:
             lines.append(f"Of the paper's eleven claims these {words}: {found}.")
     return lines
+
+
+def settling(runs: Sequence[Run]) -> list[str]:
+    """Which of the longer runs slow down, and how those that do not go on."""
+    slowing, lines = [], []
+    for run in runs:
+        trend, rates = quantities.settling_trend(run), quantities.settling_rates(run)
+        if not trend or last_cycle(run) < LEAST_TREND_CYCLES:
+            continue
+        if trend == "slowing":
+            slowing.append(f"{name_of(run)} ({last_cycle(run)} cycles)")
+            continue
+        before, last = rates.iloc[-2], rates.iloc[-1]
+        lines.append(
+            f"{name_of(run)} does not shake down: {number(before['settlement_rate_m'], 2, MM)} mm per cycle from cycle "
+            f"{before['first_cycle']:.0f} to {before['last_cycle']:.0f}, {number(last['settlement_rate_m'], 2, MM)} mm "
+            f"to {last['last_cycle']:.0f}, while the cribs heave by {number(last['crib_heave_rate_m'], 2, MM)} mm and "
+            f"the plates move out by {number(last['lateral_rate_m'], 2, MM)} mm per cycle.{unrest(run)}"
+        )
+    return ([f"Settling slows down in: {', '.join(slowing)}."] if slowing else []) + lines
+
+
+def unrest(run: Run) -> str:
+    """How fast clumps move at minimum load after the last cycle; nothing where that is not known."""
+    energy = run.microstructure["kinetic_energy_J"].dropna()
+    if not len(energy) or run.scenario is None:
+        return ""
+    speed = math.sqrt(2 * energy.iloc[-1] / derived.clump(run.scenario).mass_kg)
+    return f" It does not come to rest between cycles: at minimum load its clumps move at {number(speed, 2)} m/s (rms)."
 
 
 def packed_beds(runs: Sequence[Run]) -> list[str]:
