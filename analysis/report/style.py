@@ -173,6 +173,7 @@ def end_labels(c: Canvas, size: float = 8.0) -> None:
     """
     if not c.labels:
         return
+    _make_room(c, size)
     axes, height = c.axes, c.axes.get_window_extent().height
     step = size * 1.25 * c.figure.dpi / 72
     if not c.leaders:
@@ -214,6 +215,19 @@ def end_labels(c: Canvas, size: float = 8.0) -> None:
                 "relpos": (0, 0.5),
             },
         )
+
+
+def _make_room(c: Canvas, size: float) -> None:
+    """Narrow the axes until the longest label fits beside them; a browser may draw it a little wider."""
+    renderer, widest = c.figure.canvas.get_renderer(), 0.0
+    for _, _, text, _ in c.labels:
+        trial = c.figure.text(0, 0, text, fontsize=size)
+        widest = max(widest, 1.08 * trial.get_window_extent(renderer).width / c.figure.bbox.width)
+        trial.remove()
+    place = c.axes.get_position()
+    room = (1 - widest - place.x0) / 1.06
+    if room < place.width:
+        c.axes.set_position([place.x0, place.y0, max(room, 0.3), place.height])
 
 
 def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.ndarray:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
-from analysis.comparison import compare
+import numpy as np
+
+from analysis.comparison import compare, quantities
 from analysis.comparison.quantities import last_cycle
-from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios
+from analysis.normalised import tables
+from analysis.normalised.readers import Run
+from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, name_of
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
-from analysis.report.names import MM, short_name
-from analysis.report.words import Column, Table, number, shown
+from analysis.report.names import KPA, MM, short_name
+from analysis.report.words import Column, Table, number, plural, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import STATUSES
@@ -57,9 +62,9 @@ def assumptions(book: Book) -> dict:
     }
 
 
-def plate_laws(book: Book) -> list:
-    """Settlement and lateral displacement under each law of the plates, per profile and contact model."""
-    figures = []
+def plate_laws(book: Book) -> list[dict]:
+    """A table and figures per profile and contact model: what the law that holds the plates decides."""
+    parts = []
     runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1]
     for profile in book.profiles:
         for base in KEY_SCENARIOS:
@@ -71,29 +76,65 @@ def plate_laws(book: Book) -> list:
                 continue
             shared = compare.last_common_cycle(members)
             name = f"plates-{base}-{profile}"
-            figures.append(
-                settlement_figure(
-                    book.gallery,
-                    members,
-                    name,
-                    f"{short_name(base)}: settlement under three laws of the plates",
-                    "Plates driven by the difference of force (the default), by PFC's servo, or not moving at all; from "
-                    "the same packed bed.",
-                    references=False,
-                )
+            settlement = settlement_figure(
+                book.gallery,
+                members,
+                name,
+                f"{short_name(base)}: settlement under three laws of the plates",
+                "Plates driven by the difference of force (the default), by PFC's servo, or not moving at all; from "
+                "the same packed bed.",
+                references=False,
             )
-            figures.append(
-                lateral_figure(
-                    book.gallery,
-                    members,
-                    f"{name}-lateral",
-                    f"{short_name(base)}: plates under three laws",
-                    "Lateral displacement over depth since the end of preload.",
-                    cycles=sorted({1, shared}),
-                    references=False,
-                )
+            lateral = lateral_figure(
+                book.gallery,
+                members,
+                f"{name}-lateral",
+                f"{short_name(base)}: plates under three laws",
+                "Lateral displacement over depth since the end of preload.",
+                cycles=sorted({1, shared}),
+                references=False,
             )
-    return figures
+            parts += [{"table": plate_table(members, shared)}, {"figure": settlement}, {"figure": lateral}]
+    return parts
+
+
+def plate_table(runs: Sequence[Run], cycle: int) -> Table:
+    """Runs under different laws of the plates after the same cycle, and the stress that the plates had up to it."""
+    table = Table(
+        f"Laws of the plates, after {plural(cycle, 'cycle')}; the paper prescribes 10 kPa",
+        [
+            Column("run"),
+            Column("settlement, mm", True),
+            Column("plates moved, mm", True),
+            Column("mean stress of each plate, kPa", True),
+            Column("lowest and highest stress, kPa", True),
+            Column("settling in the last span, µm per cycle", True),
+        ],
+    )
+    for run in runs:
+        row = run.cycles.set_index("cycle").loc[cycle]
+        moved = row[[f"lateral_{k}_m" for k in tables.PLATES]]
+        history = run.history[(run.history["cycle"] > 0) & (run.history["cycle"] <= cycle)]
+        stress = history[[f"plate_{k}_stress_Pa" for k in tables.PLATES]].to_numpy(dtype=float)
+        known = np.isfinite(stress).any()
+        rates = quantities.settling_rates(run)
+        rates = rates[rates["last_cycle"] <= cycle]
+        last = rates.iloc[-1] if len(rates) else None
+        table.rows.append(
+            [
+                name_of(run),
+                number(row["settlement_m"], 3, MM),
+                f"{number(moved.min(), 2, MM)} to {number(moved.max(), 2, MM)}",
+                f"{number(stress.mean(axis=0).min(), 3, KPA)} to {number(stress.mean(axis=0).max(), 3, KPA)}" if known else "–",
+                f"{number(stress.min(), 2, KPA)}, {number(stress.max(), 2, KPA)}" if known else "–",
+                "–"
+                if last is None
+                else f"{number(last['settlement_rate_m'], 3, 1e6)} (cycles {last['first_cycle']:.0f} to "
+                f"{last['last_cycle']:.0f})",
+            ]
+        )
+    table.note = "Stress from the 64 rows per cycle of history.csv, which copies kept in the repository lack."
+    return table
 
 
 def difference_table(scenarios: dict[str, Scenario]) -> Table:
