@@ -393,7 +393,16 @@ BAD = {
     "error in another unit": (_fill(error=(1, "%")), ["settlement.toml: error.unit = %", "settlement"]),
     "unknown status": (_fill(status="guessed"), ["status", '"guessed" is refused', "pending, digitised, transcribed"]),
     "unknown unit": (_fill(y=("inch", [0, 20])), ["axes.y.unit", '"inch" is refused', "mm, cm, m"]),
-    "cycles in millimetres": (_fill(x=("mm", [0, 1000])), ["axes.x.unit", '"mm" is refused', "-, s"]),
+    "cycles in millimetres": (_fill(x=("mm", [0, 1000])), ["axes.x.unit", '"mm" is refused', "- (cycles, shares), s"]),
+    "cycles called seconds": (_fill(x=("s", [0, 1000])), ["1000 s are 20000 cycles", 'axes.x.unit = "-"']),
+    "millimetres typed as metres": (
+        _points(lambda p: p * [1, 1e-3]), ["y spans", "next to nothing of its axis, 0 to 20 mm", "axes.y: unit"]),
+    "an error as large as the curve": (
+        _fill(error=(30, "mm")), ["settlement.toml: error.value = 30 mm", "more than half of the axis, 0 to 20 mm"]),
+    "an American in a hurry": (
+        _fill(**{"digitised_by = ": "digitized_by = "}),
+        ["'digitised_by' is a required property", "rename 'digitized_by'"]),
+    "a date in words": (_fill(**{"2026-03-01": '"1 March 2026"'}), ["date = ", 'write it as "2026-03-01"']),
     "unknown key": (_fill(**{"kind ": 'remark = "x"\nkind '}), ["the file", "'remark'", "allowed: source"]),
     "no licence": (_fill(**{"licence ": "#licence "}), ["the file", "'licence' is a required property"]),
     "axes that make no curve": (

@@ -177,6 +177,16 @@ def test_more_cycles_extend_a_finished_run(finished, tmp_path):
     assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout  # fewer are there as well
 
 
+def test_without_a_number_of_cycles_a_run_goes_on_to_where_it_was_going(finished):
+    results, folder = finished
+    assert drive(FAKE, *LINEAR[:-1], CYCLES + 3, "--results", results).returncode == 0
+    (folder / "raw" / f"bed_cycle_{CYCLES + 3:06d}.csv").unlink()
+    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
+    done = drive(FAKE, *LINEAR[:-2], "--results", results)  # the demo's own 5 are fewer
+    assert done.returncode == 0 and f"finished: {CYCLES + 3} cycles" in done.stdout
+    assert_no_gap(folder, CYCLES + 3)
+
+
 def variant(tmp_path, key, value):
     """A scenario file that differs in one value."""
     path = tmp_path / "scenarios.toml"

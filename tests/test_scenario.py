@@ -375,8 +375,15 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
         load_scenario("linear-mu0.8", path=tmp_path / "none.toml")
 
 
+def test_a_scenario_whose_name_lacks_its_quotes_is_told_so(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(SCENARIO_FILE.read_text() + '\n[scenario.linear-mu0.6]\nbase = "linear-mu0.8"\n')
+    with pytest.raises(ScenarioError, match=r's\.toml: scenario\.linear-mu0\.6: put the name in quotes, \[scenario\."linear'):
+        load_scenario("linear-mu0.6", path=path)
+
+
 @pytest.mark.parametrize("name, profile, message", [
-    ("linear", "full", "scenario 'linear' is unknown; known: linear-mu0.7"),
+    ("linear", "full", "scenario 'linear' is unknown, perhaps linear-mu0."),
     ("linear-mu0.8", "tiny", "profile 'tiny' is unknown; known: full, demo"),
 ])
 def test_an_unknown_scenario_or_profile_is_answered_by_the_known_ones(name, profile, message):

@@ -32,7 +32,7 @@ def make(results, code, state, seed=1, cycles=2, **more):
     (folder / "run.json").write_text(json.dumps(body))
     (folder / "scenario.json").write_text(SCENARIO.to_json())
     (folder / "cycles.csv").write_text(
-        "cycle,tracking_rms_Pa\n" + "".join(f"{n},{1000 * n}\n" for n in range(1, cycles + 1))
+        "cycle,tracking_rms_Pa\n" + "".join(f"{n},{1000 * (cycles + 1 - n)}\n" for n in range(1, cycles + 1))
     )
     return folder
 
@@ -41,6 +41,7 @@ def test_a_running_run_shows_how_far_it_is(tmp_path):
     with hold(make(tmp_path, "yade", "running") / "run.lock"):
         row = status.row(run_folder(tmp_path, SCENARIO.name, "yade"))
     assert row["state"] == "running" and row["cycle"] == "2/5" and row["time left"] == "0:30"  # 3 cycles of 10 s
+    # the worst cycle, not the last
     assert row["tracking %"] == f"{100 * 2000 / 460e3:.2f}"
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from analysis.comparison import quantities
 from analysis.normalised import tables
@@ -67,7 +68,8 @@ def agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_SHOWN) -
     CODE_mean, _low, _high, _seeds   over the seeds of a code
     difference, ratio   LIGGGHTS minus and over YADE, of the means
     seed_scatter        standard deviation between seeds, pooled over both codes; nan where each has but one
-    within_scatter      whether the difference is within twice its standard error; None where the scatter is unknown
+    within_scatter      whether the difference is within its 95 % confidence interval (Student's t); None where the
+                        scatter is unknown
     """
     runs = list(runs)
     rows = []
@@ -130,7 +132,7 @@ def _compare(samples: dict[str, np.ndarray]) -> tuple:
         math.sqrt(sum(float(np.sum((s - s.mean()) ** 2)) for s in samples.values()) / degrees) if degrees else math.nan
     )
     error = scatter * math.sqrt(sum(1 / len(s) for s in samples.values()))
-    within = None if math.isnan(scatter) else bool(abs(difference) <= 2 * error)
+    within = None if math.isnan(scatter) else bool(abs(difference) <= stats.t.ppf(0.975, degrees) * error)
     bands = [
         x
         for code in tables.CODES
@@ -192,7 +194,7 @@ class AgainstReference:
     rms_m              rms difference, as it is
     shift_m            vertical shift that makes the rms difference least: mean of run minus reference
     rms_shifted_m      rms difference after that shift: the difference in shape
-    late_slope_ratio   run over reference, slope of the later half
+    late_slope_ratio   run over reference, slope of the later half; nan where they share fewer than 20 cycles
     first_cycle_ratio  run over reference, settlement after the first cycle; nan where the reference has no point by
                        cycle 2
     within_error       share of points at which the run is within the reference's error; nan where no error is stated
@@ -237,7 +239,7 @@ def against_reference(cycles, settlement_m, reference_cycles, reference_m, error
     late = at >= at[-1] / 2
     slopes = (
         [np.polyfit(at[late], v[late], 1)[0] for v in (np.interp(at, cycles, ours), theirs)]
-        if late.sum() >= 2
+        if late.sum() >= 2 and at[-1] >= 2 * quantities.LEAST_LATE_CYCLES
         else [math.nan] * 2
     )
     first = float(np.interp(at[0], cycles, ours) / theirs[0]) if at[0] <= 2 and theirs[0] else math.nan
@@ -288,6 +290,45 @@ def reference_table(runs: Iterable, references) -> pd.DataFrame:
                 )
     return pd.DataFrame(
         rows, columns=["profile", "scenario", "code", "seed", "source", "curve", *AgainstReference.__dataclass_fields__]
+    )
+
+
+def lateral_reference_table(runs: Iterable, references) -> pd.DataFrame:
+    """Every run against every lateral profile whose cycle it has reached, at the plates' depths that both have.
+
+    Columns: scenario, code, seed, source, curve, cycle, rms_m, relative (rms over the reference's mean), ratio (of the
+    means). Empty while all profiles are pending.
+    """
+    rows = []
+    curves = references.curves[references.curves["quantity"] == "lateral_displacement"]
+    for run in runs:
+        for (source, curve, scenario, cycle), points in curves.fillna({"scenario": ""}).groupby(
+            ["source", "curve", "scenario", "cycle"], sort=True
+        ):
+            ours = quantities.lateral_profile(run, [int(cycle)]).dropna()
+            if scenario not in ("", run.scenario_name) or ours.empty:
+                continue
+            points = points.sort_values("depth_m")
+            ours = ours[ours["depth_m"].between(points["depth_m"].iloc[0], points["depth_m"].iloc[-1])]
+            if ours.empty:
+                continue
+            theirs = np.interp(ours["depth_m"], points["depth_m"], points["value"])
+            rms, mean = _rms(ours["lateral_m"].to_numpy() - theirs), float(theirs.mean())
+            rows.append(
+                {
+                    "scenario": run.scenario_name,
+                    "code": run.code,
+                    "seed": run.seed,
+                    "source": source,
+                    "curve": curve,
+                    "cycle": int(cycle),
+                    "rms_m": rms,
+                    "relative": rms / abs(mean) if mean else math.nan,
+                    "ratio": float(ours["lateral_m"].mean()) / mean if mean else math.nan,
+                }
+            )
+    return pd.DataFrame(
+        rows, columns=["scenario", "code", "seed", "source", "curve", "cycle", "rms_m", "relative", "ratio"]
     )
 
 

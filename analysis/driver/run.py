@@ -57,6 +57,14 @@ def _differences(old: Scenario, new: Scenario, counts: Callable[[str], bool]) ->
     return [f"{key}: {a} -> {b}" for key, (a, b) in values.items() if counts(key) and a != b]
 
 
+def cycles_asked(folder: Path) -> int:
+    """Number of cycles that a run was last asked for; 0 without a run."""
+    try:
+        return Scenario.from_json((folder / "scenario.json").read_text())["loading.cycles"]
+    except (OSError, ScenarioError):
+        return 0
+
+
 class Run:
     """One scenario in one code with one seed: its folder, what has been done in it, and how to do the rest."""
 
@@ -387,6 +395,8 @@ class Run:
     def _stage(self, stage: str, start: checkpoints.Checkpoint | None = None) -> None:
         """Run one stage in the engine."""
         self.stop.check()
+        if start is None and self.record["steps"].get(stage):
+            self.progress.say(f"{stage} begins again: it has no checkpoints")
         if start is None:
             keep_rows(self.raw / "state.csv", lambda row: STAGES.index(row["stage"]) < STAGES.index(stage))
         self._save(stage=stage)
@@ -452,6 +462,9 @@ def main(argv: list[str]) -> int:
     options, stop = _arguments(argv), StopRequest()
     try:
         run = Run(load_scenario(options.scenario, options.profile, options.scenarios, options.cycles), options, stop)
+        if options.cycles is None and (asked := cycles_asked(run.folder)) > run.cycles:
+            options.cycles = asked  # the same command without CYCLES goes on to where the run was going
+            run = Run(load_scenario(options.scenario, options.profile, options.scenarios, asked), options, stop)
         run.go()
     except (ScenarioError, EngineError, RunError) as error:
         print(error, file=sys.stderr)

@@ -89,15 +89,13 @@ def row(folder: Path) -> dict[str, str]:
 
 
 def _tracking(folder: Path, scenario: Scenario) -> str:
-    """Tracking error of the last complete cycle, rms in per cent of the largest stress."""
+    """Tracking error of the worst cycle so far, rms in per cent of the largest stress, as in the report."""
     try:
         with open(folder / "cycles.csv", newline="") as file:
-            last = None
-            for last in csv.DictReader(file):
-                pass
+            worst = max((float(row["tracking_rms_Pa"]) for row in csv.DictReader(file)), default=None)
     except FileNotFoundError:
         return ""
-    return f"{100 * float(last['tracking_rms_Pa']) / scenario['loading.stress_max']:.2f}" if last else ""
+    return "" if worst is None else f"{100 * worst / scenario['loading.stress_max']:.2f}"
 
 
 def table(rows: list[dict[str, str]]) -> str:

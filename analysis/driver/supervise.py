@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 import re
 import signal
@@ -93,7 +94,8 @@ class Supervisor:
                 if self.stop.signal and not asked:
                     asked = True
                     engine.ask_to_stop()
-                    self.progress.say("asked to stop: waiting for the checkpoint; another Ctrl-C kills")
+                    what = "the checkpoint" if self.stage == "cyclic" else f"{self.stage} to stop, which will begin again"
+                    self.progress.say(f"asked to stop: waiting for {what}; another Ctrl-C kills")
                 if self.stop.kill:
                     engine.kill()
             self.look()
@@ -181,10 +183,9 @@ class Supervisor:
             parts = [f"cyclic, cycle {self.cycles} of {self.scenario['loading.cycles']}"]
             parts += [f"{duration((total - self.state_step) / rate)} left"] if rate and self.state_step else []
         elif self._last:
-            parts.append(
-                f"unbalanced ratio {float(self._last['unbalanced_ratio']):.1e}, "
-                f"kinetic energy {float(self._last['kinetic_energy_J']):.1e} J"
-            )
+            ratio = float(self._last["unbalanced_ratio"])
+            rest = f"unbalanced ratio {ratio:.1e}" if math.isfinite(ratio) else "no contacts yet"
+            parts.append(f"{rest}, kinetic energy {float(self._last['kinetic_energy_J']):.1e} J")
         self.progress.update(" | ".join(parts + ([f"{rate:.0f} steps/s"] if rate else [])))
         if time.monotonic() - self._beat > HEARTBEAT_S:
             self._report()

@@ -83,12 +83,16 @@ def load_runs(
     >>> run.history[["cycle", "sleeper_stress_Pa"]].max().tolist()
     [20.0, 460000.0]
     """
-    found = []
+    found, others = [], set()
     for folder in _run_folders(Path(results_dir)):
         run = Run(folder, Path(results_dir), quiet)
+        others.add((run.profile, run.scenario_name, run.code))
         if profile in (None, run.profile) and scenario in (None, run.scenario_name) and code in (None, run.code):
             run.read()
             found.append(run)
+    if others and not found and not quiet:
+        there = "; ".join(" ".join(names) for names in sorted(others))
+        print(f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}", file=sys.stderr)
     return Runs(found)
 
 

@@ -29,9 +29,14 @@ NOT_CURVES = ("settlement_laws", "runs")
 COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "depth_m", "sphere",
            "value", "unit", "error", "status", "licence", "sidecar")
 
+SOURCE_COLUMNS = ("sidecar", "source", "figure", "kind", "status", "curves", "digitised", "points", "error",
+                  "digitised_by", "date", "method", "licence")
+
 PENDING_COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "sphere", "sidecar")
 
 SI = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "-": 1.0, "%": 1e-2}
+
+UNIT_WORDS = {"-": "- (cycles, shares)"}
 
 VALUES = {"settlement": "m", "lateral_displacement": "m", "porosity": "-"}
 
@@ -44,6 +49,12 @@ PLAUSIBLE = {"cycle": (-20.0, 1e7), "depth": (-0.2, 0.5), "settlement": (-0.01, 
 AXIS_SLACK = 0.02       # share of the axis that a point may lie outside of it
 
 LEAST_POINTS = 3
+
+LEAST_COVER = {"coordinate": 0.1, "value": 0.01}    # share of its axis that a curve spans; less is a wrong unit
+
+MOST_CYCLES_BY_TIME = 1e4       # an axis of seconds that means more cycles is one of cycles
+
+MOST_ERROR = 0.5                # of the value axis
 
 
 class ReferenceError(ValueError):
@@ -58,12 +69,14 @@ class References:
               downward, lateral displacement positive outward; `cycle` is a coordinate for settlement and porosity and
               constant for a profile over `depth_m` (below the sleeper's base); absent coordinates are nan.
     pending   one row per curve that is still to be digitised (PENDING_COLUMNS)
+    sources   one row per sidecar that can be used (SOURCE_COLUMNS): where its points come from, how many there are
     problems  one line for each file that cannot be used; its curves are in neither table
     """
 
     curves: pd.DataFrame
     pending: pd.DataFrame
     problems: list[str] = field(default_factory=list)
+    sources: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(columns=SOURCE_COLUMNS))
 
     def curve(self, quantity: str, kind: str | None = None, source: str | None = None, scenario: str | None = None,
               cycle: int | None = None, sphere: int | None = None) -> pd.DataFrame:
@@ -83,7 +96,7 @@ class References:
 def load_references(folder: Path = REFERENCE_FOLDER) -> References:
     """Read and check all sidecars of `folder`; a bad one becomes a line in `problems` and does not hide the others."""
     folder = Path(folder)
-    curves, pending, problems, named = [], [], [], set()
+    curves, pending, sources, problems, named = [], [], [], [], set()
     for sidecar in sidecars(folder):
         try:
             head = _read_sidecar(sidecar)
@@ -95,17 +108,30 @@ def load_references(folder: Path = REFERENCE_FOLDER) -> References:
         else:
             curves += there
             pending += missing
+            sources.append(_source(sidecar, head, there))
     for path in sorted(folder.glob("*/*")):
         if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named:
             problems.append(f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
                             "of its figure and set its status")
     table = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=COLUMNS)
-    return References(table[list(COLUMNS)], pd.DataFrame(pending, columns=PENDING_COLUMNS), problems)
+    return References(table[list(COLUMNS)], pd.DataFrame(pending, columns=PENDING_COLUMNS), problems,
+                      pd.DataFrame(sources, columns=SOURCE_COLUMNS))
 
 
 def sidecars(folder: Path = REFERENCE_FOLDER) -> list[Path]:
     """Paths of all sidecars of `folder`, in alphabetical order."""
     return sorted(p for p in Path(folder).glob("*/*.toml") if p.parent.name not in NOT_CURVES)
+
+
+def _source(sidecar: Path, head: dict, curves: list[pd.DataFrame]) -> dict:
+    """What the sidecar says of its points; empty where it is pending."""
+    there = head["status"] != "pending"
+    error = head["error"] if there else {}
+    return {"sidecar": f"{sidecar.parent.name}/{sidecar.name}", "curves": len(head["curves"]), "digitised": len(curves),
+            "points": sum(map(len, curves)),
+            "error": f"{error['value']:g} {error['unit']}, {error['source']}" if there else "",
+            **{key: head[key] for key in ("source", "figure", "kind", "status", "licence")},
+            **{key: head[key] if there else "" for key in ("digitised_by", "date", "method")}}
 
 
 def _load(sidecar: Path, head: dict) -> tuple[list[pd.DataFrame], list[dict]]:
@@ -157,11 +183,16 @@ def _say(error: jsonschema.ValidationError) -> str:
     known = error.schema.get("description", "") if isinstance(error.schema, dict) else ""
     value = json.dumps(error.instance)
     if error.validator == "required":
-        return f"{where}: {error.message}; add it"
+        name = error.message.split("'")[1]
+        near = difflib.get_close_matches(name, error.instance, 1, 0.8)
+        return f"{where}: {error.message}; " + (f"rename {near[0]!r}" if near else "add it")
     if error.validator == "not" or (error.validator == "type" and error.instance == "?"):
         return f'{where} = "?" is still open; fill it in, or set status = "pending"'
     if error.validator == "enum":
-        return f"{where} = {value} is refused; allowed: {', '.join(map(str, error.validator_value))}"
+        return (f"{where} = {value} is refused; allowed: "
+                f"{', '.join(UNIT_WORDS.get(v, str(v)) for v in error.validator_value if v != '?')}")
+    if error.validator == "pattern" and where == "date":
+        return f'date = {value} is refused; write it as "2026-03-01"'
     if error.validator == "additionalProperties":
         return f"{where}: {error.message}; allowed: {', '.join(error.schema['properties'])}"
     refused = f"{where} = {value[:80]} is refused ({error.validator}: {error.validator_value})"
@@ -238,6 +269,14 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
             keys = "unit, reversed" + (", at_sleeper_base" if axis["quantity"] == "depth" else "")
             raise refuse(f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; "
                          f"check axes.{name}: {keys}")
+        low, high = sorted(axis["range"])
+        least = LEAST_COVER["value" if name == value_axis else "coordinate"] * (high - low)
+        if np.ptp(raw) < least:
+            raise refuse(f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
+                         f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped")
+        if axis["unit"] == "s" and columns[name].max() > MOST_CYCLES_BY_TIME:
+            raise refuse(f"{raw.max():.6g} s are {columns[name].max():.6g} cycles; "
+                         f'set axes.{name}.unit = "-" where the axis counts cycles')
     coordinate, value = columns[other_axis], columns[value_axis]
     if row["quantity"] == "settlement" and np.median(value) < 0:
         raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
@@ -251,6 +290,12 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
     if (error["unit"] in ("-", "%")) != (VALUES[row["quantity"]] == "-"):
         raise ReferenceError(f"{sidecar.name}: error.unit = {error['unit']} does not fit {row['quantity']}; "
                              "use the unit of its axis")
+    low, high = sorted(head["axes"][value_axis]["range"])
+    whole = (high - low) * SI[head["axes"][value_axis]["unit"]]
+    if error["value"] * SI[error["unit"]] > MOST_ERROR * whole:
+        raise ReferenceError(f"{sidecar.name}: error.value = {error['value']:g} {error['unit']} is more than half of "
+                             f"the axis, {low:g} to {high:g} {head['axes'][value_axis]['unit']}; check error: value "
+                             "and unit")
     depth = head["axes"][other_axis]["quantity"] == "depth"
     table = pd.DataFrame({"value": value, "cycle": row["cycle"] if depth else coordinate,
                           "depth_m": coordinate if depth else np.nan})
@@ -268,7 +313,7 @@ def _check_on_axis(refuse, name, axis, raw, calibration, sidecar) -> None:
     for value in raw:
         if not low - slack <= value <= high + slack:
             raise refuse(f"{name} = {value:.6g} is off the axis, {low:g} to {high:g} {axis['unit']}; "
-                         f"check axes.{name}.range and the calibration")
+                         f"check axes.{name}.range, the calibration and whether the axes are swapped")
     if calibration and not (low - slack <= calibration[0] and calibration[1] <= high + slack):
         raise refuse(f"axis {name} was calibrated from {calibration[0]:g} to {calibration[1]:g}, beyond {low:g} to "
                      f"{high:g} {axis['unit']}; check axes.{name}: unit and range")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import io
 import re
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -251,10 +252,24 @@ def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.nd
     return placed
 
 
-def save(c: Canvas, folder: Path, stamp: str) -> Panel:
-    """Write `<name>.svg`, `.png` and `.csv` into `folder` and return the panel for a page."""
+def save(c: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Panel:
+    """Write `<name>.svg`, `.png` and `.csv` into `folder` and return the panel for a page.
+
+    codes   those whose signs the files must explain; a page does it above the panels
+    """
     end_labels(c)
     width, height = c.figure.get_size_inches()
+    if len(codes) > 1:
+        c.figure.text(
+            1 - 0.06 / width,
+            (STAMP_HEIGHT + 0.06) / height,
+            "\n".join(f"{CODE_SIGNS[code]} {CODE_NAMES[code]}" for code in codes),
+            fontsize=7,
+            color=SOFT,
+            va="bottom",
+            ha="right",
+            gid="codes",
+        )
     c.figure.text(
         0.06 / width,
         0.05 / height,
@@ -309,7 +324,7 @@ def _inline(text: str, c: Canvas, height: float) -> str:
     """The SVG as part of a page: no stamp (the caption has it), colours as CSS variables, no ids that could clash."""
     svg = text[text.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = re.sub(r'<g id="stamp">.*?</g>', "", svg, flags=re.S)
+    svg = re.sub(r'<g id="(stamp|codes)">.*?</g>', "", svg, flags=re.S)
     svg = re.sub(r"<!--.*?-->", "", svg, flags=re.S)
     svg = re.sub(r' id="(?!m[0-9a-f]{6}|p[0-9a-f]{6}|image|C[0-9a-f]{0,3}_|h[0-9a-f]{6})[^"]*"', "", svg)
     width, total = c.figure.get_size_inches() * 72

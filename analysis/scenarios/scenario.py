@@ -183,15 +183,24 @@ def _base(path: Path, content: dict) -> dict[str, Parameter]:
     return parameters
 
 
+def _unknown_scenario(path: Path, known: dict, name: str) -> ScenarioError:
+    head, dot, rest = name.partition(".")
+    if dot and isinstance(known.get(head), dict) and rest in known[head]:
+        return ScenarioError(f"{path.name}: scenario.{name}: put the name in quotes, [scenario.\"{name}\"]")
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f", perhaps {near[0]}" if near else ""
+    return ScenarioError(f"{path.name}: scenario {name!r} is unknown{hint}; known: {', '.join(known)}")
+
+
 def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | None = None) -> Scenario:
     """Lay the layers over each other, each value checked by itself."""
     if name not in content["scenario"]:
-        raise ScenarioError(f"{path.name}: scenario {name!r} is unknown; known: {', '.join(content['scenario'])}")
+        raise _unknown_scenario(path, content["scenario"], name)
     if profile not in content["profile"]:
         raise ScenarioError(f"{path.name}: profile {profile!r} is unknown; known: {', '.join(content['profile'])}")
 
     parameters = _base(path, content)
-    layers, current, chain = [], name, []
+    layers, current, chain, title = [], name, [], name
     while current:
         if current in chain:
             raise _refuse(path, f"scenario.{chain[-1]}.base", current, "a chain of bases without a circle")

@@ -175,12 +175,13 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
     ]
 
 
-def pending_mark(c: Canvas, pending: Sequence[str]) -> None:
+def pending_mark(c: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None = None) -> None:
+    """Say that reference curves are missing; `drawn` are rows of those that are there."""
     if pending:
         c.axes.text(
             1,
             1.02,
-            "reference curves pending",
+            "reference curves pending" if drawn is None or not len(drawn) else "some reference curves pending",
             transform=c.axes.transAxes,
             fontsize=7.5,
             color=SOFT,
@@ -188,6 +189,25 @@ def pending_mark(c: Canvas, pending: Sequence[str]) -> None:
             va="bottom",
             style="italic",
         )
+
+
+def up_to(rows: pd.DataFrame, last: float) -> pd.DataFrame:
+    """Reference curves against cycles as far as the runs go, so that they do not set the scale: cut at cycle `last`."""
+    cut = []
+    for _, part in rows.groupby(["kind", "source", "curve"], sort=False):
+        part = part.sort_values("cycle")
+        inside = part[part["cycle"] <= last]
+        if len(inside) and len(inside) < len(part):
+            end = inside.iloc[[-1]].assign(cycle=last, value=np.interp(last, part["cycle"], part["value"]))
+            inside = pd.concat([inside, end], ignore_index=True)
+        cut.append(inside)
+    return pd.concat(cut, ignore_index=True) if cut else rows
+
+
+def reference_csv(rows: pd.DataFrame, **columns: str) -> pd.DataFrame:
+    """Reference points as further rows of the CSV behind a figure; `columns` maps its columns to those of `rows`."""
+    table = pd.DataFrame({name: rows[column] for name, column in columns.items()})
+    return table.assign(run="reference " + rows["source"] + ": " + rows["curve"], scenario=rows["scenario"])
 
 
 def reference_rows(references: References, quantity: str, scenarios: Iterable[str], **wanted) -> pd.DataFrame:

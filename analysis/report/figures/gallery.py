@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import sys
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -181,7 +182,8 @@ class Gallery:
             return None
         ids = list(dict.fromkeys(run_id(run) for run in runs))
         stamp = self.stamp + ("\n" + _shortened(ids) if ids else "")
-        panels = [style.save(c, self.folder, stamp) for c in drawn]
+        codes = sorted({curve.code for curve in curves} & set(CODE_SIGNS))
+        panels = [style.save(c, self.folder, stamp, codes) for c in drawn]
         figure = Figure(name, title, caption, panels, ids, _key(curves), list(pending), layout)
         self.figures.append(figure)
         return figure
@@ -196,7 +198,7 @@ def run_id(run: Run) -> str:
 def _shortened(ids: list[str], room: int = 230) -> str:
     text = "runs: " + ", ".join(ids)
     if len(text) <= room:
-        return "\n".join(text[n : n + 118] for n in range(0, len(text), 118))
+        return "\n".join(textwrap.wrap(text, 118, break_long_words=False, break_on_hyphens=False))
     return f"{len(ids)} runs, listed under the figure in the report"
 
 

@@ -9,7 +9,13 @@ import pandas as pd
 from analysis.comparison import quantities
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.drawing import draw_references, pending_mark, pending_names, reference_rows
+from analysis.report.figures.drawing import (
+    draw_references,
+    pending_mark,
+    pending_names,
+    reference_csv,
+    reference_rows,
+)
 from analysis.report.figures.gallery import Curve, Figure, Gallery
 from analysis.report.names import MM
 from analysis.report.style import PAPER, SOFT
@@ -93,7 +99,9 @@ def lateral_figure(
         c.axes.axvline(0, color=SOFT, linewidth=0.7, zorder=1)
         c.axes.set(xlabel="outward displacement of the plates, mm", ylabel="depth below the sleeper, mm")
         c.axes.set_title(f"after {cycle} cycle{'s' if cycle > 1 else ''}")
-        pending_mark(c, pending)
+        pending_mark(c, pending, rows)
+        if len(rows):
+            frames.append(reference_csv(rows, depth_m="depth_m", lateral_value_m="value", error_m="error", cycle="cycle"))
         c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
         drawn.append(c)
     return g.finish(name, title, caption, drawn, runs, curves, pending)

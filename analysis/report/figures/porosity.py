@@ -18,6 +18,8 @@ from analysis.report.figures.drawing import (
     last_cycle_of,
     pending_mark,
     pending_names,
+    reference_csv,
+    up_to,
 )
 from analysis.report.figures.gallery import Figure, Gallery
 from analysis.report.names import MM, SPHERE_NAMES, short_name
@@ -51,15 +53,17 @@ def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
                     tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""),
                 )
         rows = g.references.curve("porosity", scenario=scenario)
-        if len(rows):
-            draw_references(c, rows, "cycle", 1.0)
+        draw_references(c, up_to(rows, last_cycle_of(members)), "cycle", 1.0)
         c.axes.set_ylabel("porosity")
         cycle_axis(c, last_cycle_of(members), False)
         c.axes.set_title(short_name(scenario))
-        pending_mark(c, pending)
-        c.table = curve_rows(
-            members, ["cycle", *(f"porosity_{k}" for k in tables.SPHERES), "porosity_error"], "microstructure"
-        )
+        pending_mark(c, pending, rows)
+        columns = ["cycle", *(f"porosity_{k}" for k in tables.SPHERES), "porosity_error"]
+        points = [
+            reference_csv(part, **{"cycle": "cycle", f"porosity_{sphere:.0f}": "value", "porosity_error": "error"})
+            for sphere, part in rows.groupby("sphere")
+        ]
+        c.table = pd.concat([curve_rows(members, columns, "microstructure"), *points])
         drawn.append(c)
     return g.finish(name, title, caption, drawn, runs, curves, pending)
 

@@ -18,7 +18,9 @@ from analysis.report.figures.drawing import (
     last_cycle_of,
     pending_mark,
     pending_names,
+    reference_csv,
     reference_rows,
+    up_to,
     with_start,
 )
 from analysis.report.figures.gallery import Figure, Gallery
@@ -41,7 +43,10 @@ def settlement_figure(
         return None
     scenarios = {curve.scenario for curve in curves}
     pending = pending_names(g.references, "settlement", scenarios) if references else []
-    rows = reference_rows(g.references, "settlement", scenarios) if references else None
+    rows = reference_rows(g.references, "settlement", scenarios if references else ())
+    rows = rows if references else rows.iloc[:0]
+    points = reference_csv(rows, cycle="cycle", settlement_m="value", error_m="error")
+    last = last_cycle_of(curves)
     drawn = []
     for log in (True,) if log_only else (False, True):
         c = style.canvas(
@@ -50,14 +55,13 @@ def settlement_figure(
         for curve in curves:
             table = curve.column("settlement_m")
             draw(c, curve, table if log else with_start(table), MM)
-        if rows is not None and len(rows):
-            draw_references(c, rows[rows["cycle"] > 0] if log else rows, "cycle", MM)
+        draw_references(c, rows[rows["cycle"] > 0] if log else up_to(rows, last), "cycle", MM)
         c.axes.invert_yaxis()
         c.axes.set_ylabel("settlement at minimum load, mm")
         c.hover_unit = "mm"
-        cycle_axis(c, last_cycle_of(curves), log)
-        pending_mark(c, pending)
-        c.table = curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"])
+        cycle_axis(c, max(last, rows["cycle"].max()) if log and len(rows) else last, log)
+        pending_mark(c, pending, rows)
+        c.table = pd.concat([curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"]), points])
         drawn.append(c)
     return g.finish(name, title, caption, drawn, runs, curves, pending)
 

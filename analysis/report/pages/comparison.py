@@ -81,9 +81,10 @@ def agreement_table(book: Book, profile: str, shown: Sequence[str] = AGREEMENT_S
             ]
         )
     table.note = (
-        "Means over seeds; difference and ratio are LIGGGHTS against YADE. Within seeds: the difference is at most "
-        "twice its standard error from the scatter between "
-        "packing seeds. With one seed in each code that scatter is unknown and a difference proves nothing."
+        "Means over seeds; difference and ratio are LIGGGHTS against YADE. Within seeds: zero is within the 95 % "
+        "confidence interval of the difference (Student's t, from the scatter between packing seeds; wide where seeds "
+        "are few). With one seed in each code that scatter is unknown and a difference proves nothing. The nonlinear bed "
+        "is soft: at the paper's shear modulus the Hertz contacts yield so much that the stroke is millimetres."
     )
     return table
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from analysis.comparison import evidence, quantities
+from analysis.comparison import compare, evidence, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
@@ -24,7 +24,7 @@ from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import tracking_figure
 from analysis.report.figures.porosity import porosity_figure
 from analysis.report.figures.settlement import settlement_figure
-from analysis.report.names import MM, short_name
+from analysis.report.names import MM, SOURCE_NAMES, short_name
 from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table
 from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
@@ -166,10 +166,33 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
         lines.append(
             f"Verification: {passed} of {total} comparisons of the contact laws and bodies with known answers pass."
         )
-    for verdict, words in ((evidence.HOLDS, "hold"), (evidence.FAILS, "do not hold")):
-        found = claim_numbers(verdicts, verdict)
-        if found:
-            lines.append(f"Of the paper's eleven claims these {words}: {found}.")
+    lines += in_hand(book)
+    for verdict, one, more in ((evidence.HOLDS, "holds", "hold"), (evidence.FAILS, "does not hold", "do not hold")):
+        count = len({v.claim.number for v in verdicts if v.verdict == verdict})
+        if count:
+            total = len({v.claim.number for v in verdicts})
+            lines.append(f"{count} of the paper's {total} claims {one if count == 1 else more}: {claim_numbers(verdicts, verdict)}.")
+    return lines
+
+
+def in_hand(book: Book) -> list[str]:
+    """Reference curves that are digitised, by whom, and how far the longest run of each code is from them."""
+    sources = book.references.sources
+    sources = sources[sources["digitised"] > 0]
+    if sources.empty:
+        return []
+    whose = "; ".join(
+        f"{plural(int(r.digitised), 'curve')} of {r.sidecar} ({SOURCE_NAMES.get(r.source, r.source)}), by {r.digitised_by}"
+        for r in sources.itertuples()
+    )
+    lines = [f"Reference curves in hand: {whose}."]
+    scores = compare.reference_table(book.of(book.profiles[0]) if book.profiles else [], book.references)
+    if len(scores):
+        texts = [
+            f"{short_name(r.scenario)} {CODE_NAMES.get(r.code, r.code)} {number(r.rms_m, 2, MM)} mm"
+            for r in scores.sort_values("points").groupby(["scenario", "code"], sort=True).tail(1).itertuples()
+        ]
+        lines.append(f"Settlement differs from them by (rms over the shared cycles): {', '.join(texts)}; see Figures.")
     return lines
 
 
@@ -220,7 +243,7 @@ def packed_beds(runs: Sequence[Run]) -> list[str]:
 
 
 def claim_numbers(verdicts: Sequence, verdict: str) -> str:
-    """Claims with that verdict by the codes that give it: `1, 2, 9 in both codes; 10 in YADE`."""
+    """Claims with that verdict by the codes that give it: `no. 1, 2, 9 in both codes; no. 10 in YADE`."""
     codes: dict[int, list[str]] = {}
     for v in verdicts:
         if v.verdict == verdict:
@@ -228,7 +251,7 @@ def claim_numbers(verdicts: Sequence, verdict: str) -> str:
     groups: dict[str, list[str]] = {}
     for n, found in sorted(codes.items()):
         groups.setdefault("both codes" if len(found) > 1 else found[0], []).append(str(n))
-    return "; ".join(f"{', '.join(numbers)} in {where}" for where, numbers in groups.items())
+    return "; ".join(f"no. {', '.join(numbers)} in {where}" for where, numbers in groups.items())
 
 
 def pending(book: Book, verdicts: Sequence) -> list[str]:
@@ -256,11 +279,12 @@ def pending(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(f"{which} full-size curves rest on a single packing seed: they have no uncertainty.")
     curves = book.references.pending
     if len(curves):
+        there = book.references.sources["digitised"].sum() if len(book.references.sources) else 0
         lines.append(
             f"{plural(len(curves), 'reference curve')} of {plural(curves['sidecar'].nunique(), 'figure')} are not "
             f"digitised yet (experiment, Chen 2015, the paper's own): "
-            "no comparison with the experiment is possible until they are. reference_data/README.md says how to add "
-            "them."
+            + ("what they show is compared with nothing" if there else "no comparison with the experiment is possible")
+            + " until they are. reference_data/README.md says how to add them."
         )
     open_claims = claim_numbers(verdicts, evidence.OPEN)
     if open_claims:

@@ -49,7 +49,7 @@ def paper_figures(book: Book) -> dict:
         bed_group(book, profile),
         {
             "title": "Figure 6: the load",
-            "missing": waits,
+            "missing": "It needs a run whose history.csv is on this machine; committed runs have none.",
             "figures": [
                 stress_figure(
                     g,
@@ -140,7 +140,15 @@ def paper_figures(book: Book) -> dict:
                     "Coefficients are transcribed from secondary quotation.",
                 )
             ],
-            "tables": [law_table(book, profile), reference_scores(book)],
+            "tables": [law_table(book, profile)],
+        }
+    )
+    groups.append(
+        {
+            "title": "Reference curves",
+            "figures": [],
+            "tables": [sources_table(book), reference_scores(book, profile), lateral_scores(book, profile)],
+            "missing": "",
         }
     )
     others = Runs(run for run in runs if not PAPER_SCENARIO.fullmatch(run.scenario_name))
@@ -168,6 +176,7 @@ def paper_figures(book: Book) -> dict:
         )
     for group in groups:
         group["figures"] = [f for f in group["figures"] if f]
+        group["tables"] = [t for t in group.get("tables", ()) if t]
     note = ""
     if len(book.references.pending):
         note = (
@@ -288,9 +297,9 @@ def law_table(book: Book, profile: str) -> Table | None:
     return table if table.rows else None
 
 
-def reference_scores(book: Book) -> Table | None:
-    """Runs against the reference curves that are there."""
-    rows = compare.reference_table([run for run in book.runs if len(run.cycles)], book.references)
+def reference_scores(book: Book, profile: str) -> Table | None:
+    """Settlement of runs against the reference curves that are there."""
+    rows = compare.reference_table(book.of(profile), book.references)
     table = Table(
         "Settlement against the reference curves",
         [
@@ -326,6 +335,67 @@ def reference_scores(book: Book) -> Table | None:
         "Over the cycles that both have, at the points of the reference. Shift: run minus reference, mean; "
         "removed, it leaves the difference in shape."
     )
+    return table if table.rows else None
+
+
+def lateral_scores(book: Book, profile: str) -> Table | None:
+    """Lateral displacement of runs against the reference profiles that are there."""
+    rows = compare.lateral_reference_table(book.of(profile), book.references)
+    table = Table(
+        "Lateral displacement against the reference profiles",
+        [
+            Column("run"),
+            Column("reference"),
+            Column("cycle", True),
+            Column("rms, mm", True),
+            Column("rms over the reference's mean", True),
+            Column("ratio of means", True),
+        ],
+    )
+    for r in rows.itertuples():
+        table.rows.append(
+            [
+                f"{short_name(r.scenario)}, {CODE_NAMES.get(r.code, r.code)}{f', seed {r.seed}' if r.seed != 1 else ''}",
+                f"{SOURCE_NAMES.get(r.source, r.source)}: {r.curve}",
+                str(r.cycle),
+                number(r.rms_m, 3, MM),
+                number(r.relative, 3),
+                number(r.ratio, 3),
+            ]
+        )
+    table.note = "At the depths of the five plates that the reference covers."
+    return table if table.rows else None
+
+
+def sources_table(book: Book) -> Table | None:
+    """Where each reference curve comes from: who digitised it, how, with what error; or that it is pending."""
+    table = Table(
+        "Where the reference curves come from",
+        [
+            Column("file"),
+            Column("status"),
+            Column("curves", True),
+            Column("points", True),
+            Column("error"),
+            Column("digitised by"),
+            Column("how", wide=True),
+            Column("licence", wide=True),
+        ],
+    )
+    for r in book.references.sources.itertuples():
+        table.rows.append(
+            [
+                r.sidecar,
+                Chip(r.status, "open" if r.status == "pending" else "good"),
+                f"{r.digitised} of {r.curves}",
+                str(r.points or "–"),
+                r.error or "–",
+                f"{r.digitised_by}, {r.date}" if r.digitised_by else "–",
+                r.method or "–",
+                r.licence,
+            ]
+        )
+    table.note = "The sidecars in reference_data/ say more; each page of the report takes these points and no others."
     return table if table.rows else None
 
 
