@@ -69,6 +69,7 @@ def test_stroke_stiffness_and_loop(run):
     area = derived.apparatus(run.scenario).sleeper_area_m2
     assert list(table) == list(quantities.PER_CYCLE) and len(table) == CYCLES
     assert table["resilient_stroke_m"].to_numpy() == pytest.approx(STROKE_M)
+    assert table["peak_acceleration_m_s2"].to_numpy() == pytest.approx(STROKE_M / 2 * (2 * math.pi * 20) ** 2)
     assert table["secant_stiffness_N_m"].to_numpy() == pytest.approx(area * 410e3 / STROKE_M, rel=0.02)
     # Of a cycle that adds nothing the work is the ellipse: pi x amplitude of the load x that of the lagging
     # displacement.

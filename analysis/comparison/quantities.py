@@ -29,6 +29,7 @@ PER_CYCLE = (
     "cycle",
     "settlement_increment_m",
     "resilient_stroke_m",
+    "peak_acceleration_m_s2",
     "secant_stiffness_N_m",
     "loop_energy_J",
     "porosity_spread",
@@ -50,6 +51,8 @@ def per_cycle(run) -> pd.DataFrame:
 
     settlement_increment_m   what the cycle adds at minimum load
     resilient_stroke_m       settlement at maximum load minus that at the minimum load after it: what springs back
+    peak_acceleration_m_s2   half that stroke x (2 pi f)^2, of a sinusoid: where it exceeds gravity the sleeper's bed
+                             throws what lies loose on it
     secant_stiffness_N_m     range of the sleeper's load over that stroke
     loop_energy_J            work of the load in the cycle, the area of the loop of load against settlement
     porosity_spread          largest minus smallest porosity of the three measurement spheres
@@ -59,6 +62,7 @@ def per_cycle(run) -> pd.DataFrame:
     cycles = run.cycles
     box = derived.apparatus(run.scenario) if run.scenario is not None else None
     area = box.sleeper_area_m2 if box else math.nan
+    frequency = run.scenario["loading.frequency"] if run.scenario is not None else math.nan
     stroke = cycles["settlement_peak_m"] - cycles["settlement_m"]
     with np.errstate(divide="ignore", invalid="ignore"):
         stiffness = (
@@ -71,6 +75,7 @@ def per_cycle(run) -> pd.DataFrame:
             "cycle": cycles["cycle"],
             "settlement_increment_m": cycles["settlement_m"].diff().fillna(cycles["settlement_m"]).where(follows),
             "resilient_stroke_m": stroke,
+            "peak_acceleration_m_s2": stroke / 2 * (2 * math.pi * frequency) ** 2,
             "secant_stiffness_N_m": stiffness,
             "loop_energy_J": cycles["cycle"].map(loop_energy(run)).astype(float),
             "porosity_spread": spheres.max(axis=1, skipna=False) - spheres.min(axis=1, skipna=False),
@@ -229,7 +234,13 @@ def after_cycles(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
         per_cycle(run),
         wanted,
         done,
-        {"resilient_stroke_m": "m", "secant_stiffness_N_m": "N/m", "loop_energy_J": "J", "porosity_spread": "-"},
+        {
+            "resilient_stroke_m": "m",
+            "peak_acceleration_m_s2": "m/s2",
+            "secant_stiffness_N_m": "N/m",
+            "loop_energy_J": "J",
+            "porosity_spread": "-",
+        },
         "history.csv",
     )
     _add_at(

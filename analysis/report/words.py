@@ -40,11 +40,14 @@ class Chip:
         return f'<span class="chip {self.kind}">{self.text}</span>'
 
 
+GRAVITY = 9.80665
+
 QUANTITIES = {
     "settlement_m": "settlement at minimum load",
     "settlement_peak_m": "settlement at maximum load",
     "lateral_mean_m": "lateral displacement, mean of plates",
     "resilient_stroke_m": "resilient stroke",
+    "peak_acceleration_m_s2": "peak acceleration of the stroke",
     "secant_stiffness_N_m": "secant stiffness",
     "loop_energy_J": "work lost in the cycle",
     "late_slope_m": "late slope of settlement",
@@ -76,6 +79,7 @@ SHOWN_UNITS = {
     "m": ("mm", 1e3),
     "m per cycle": ("mm per 1000 cycles", 1e6),
     "Pa": ("kPa", 1e-3),
+    "m/s2": ("g", 1 / GRAVITY),
     "N/m": ("kN/mm", 1e-6),
     "m3": ("cm³", 1e6),
     "rad": ("°", 180 / np.pi),

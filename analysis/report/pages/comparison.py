@@ -22,7 +22,7 @@ from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.names import MM, short_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import Chip, Column, Table, number, plural, quantity_name
+from analysis.report.words import GRAVITY, Chip, Column, Table, number, plural, quantity_name
 
 AGREEMENT_BRIEF = ("settlement_m", "lateral_mean_m", "resilient_stroke_m", "porosity_2", "coordination_number")
 AGREEMENT_SHOWN = (
@@ -30,6 +30,7 @@ AGREEMENT_SHOWN = (
     "settlement_peak_m",
     "lateral_mean_m",
     "resilient_stroke_m",
+    "peak_acceleration_m_s2",
     "secant_stiffness_N_m",
     "porosity_1",
     "porosity_2",
@@ -259,6 +260,7 @@ def rates_table(book: Book, profile: str) -> Table | None:
             Column("settling", True),
             Column("plates", True),
             Column("heave of cribs", True),
+            Column("peak acceleration, g", True),
             Column("trend"),
         ],
     )
@@ -273,12 +275,14 @@ def rates_table(book: Book, profile: str) -> Table | None:
                 *(number(by_end.get(b, np.nan), 3, 1e6) for b in ends),
                 f"{last['first_cycle']:.0f} to {last['last_cycle']:.0f}",
                 *(number(last[f"{what}_rate_m"], 3, 1e6) for what in ("settlement", "lateral", "crib_heave")),
+                number(quantities.per_cycle(run)["peak_acceleration_m_s2"].iloc[-1], 2, 1 / GRAVITY),
                 Chip(trend or "too short", TREND_KIND.get(trend, "calm")),
             ]
         )
     table.note = (
         "Plates: mean of the five, outward. Heave: mean of the clumps that began beside the sleeper. The trend compares "
-        "the last span with the one before: below 0.8 of its rate is slowing (a logarithm has 0.4 to 0.5), above 1.25 growing."
+        "the last span with the one before: below 0.8 of its rate is slowing (a logarithm has 0.4 to 0.5), above 1.25 growing. "
+        "Peak acceleration: half the resilient stroke times (2π f)², in the last cycle; above 1 g the cribs are thrown."
     )
     return table
 

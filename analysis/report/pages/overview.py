@@ -28,7 +28,7 @@ from analysis.report.names import MM, SOURCE_NAMES, short_name
 from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table
 from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import number, plural
+from analysis.report.words import GRAVITY, number, plural
 from analysis.scenarios import derived
 
 LEAST_TREND_CYCLES = 10
@@ -217,12 +217,21 @@ def settling(runs: Sequence[Run]) -> list[str]:
 
 
 def unrest(run: Run) -> str:
-    """How fast clumps move at minimum load after the last cycle; nothing where that is not known."""
-    energy = run.microstructure["kinetic_energy_J"].dropna()
-    if not len(energy) or run.scenario is None:
-        return ""
-    speed = math.sqrt(2 * energy.iloc[-1] / derived.clump(run.scenario).mass_kg)
-    return f" It does not come to rest between cycles: at minimum load its clumps move at {number(speed, 2)} m/s (rms)."
+    """How far from rest a bed stays between cycles, and whether its stroke throws what lies on it."""
+    text, stroke = "", quantities.per_cycle(run).iloc[-1]
+    peak = stroke["peak_acceleration_m_s2"] / GRAVITY
+    if peak > 1:
+        text += (
+            f" A resilient stroke of {number(stroke['resilient_stroke_m'], 2, MM)} mm at "
+            f"{number(run.scenario['loading.frequency'], 3)} Hz has a peak acceleration of {number(peak, 2)} g, which "
+            f"throws the cribs"
+        )
+        energy = run.microstructure["kinetic_energy_J"].dropna()
+        if len(energy):
+            speed = math.sqrt(2 * energy.iloc[-1] / derived.clump(run.scenario).mass_kg)
+            text += f": at minimum load clumps still move at {number(speed, 2)} m/s (rms)"
+        text += "."
+    return text
 
 
 def packed_beds(runs: Sequence[Run]) -> list[str]:
