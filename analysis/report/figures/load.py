@@ -15,6 +15,9 @@ from analysis.report.figures.gallery import Figure, Gallery
 from analysis.report.names import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES, SOFT
 
+TRACKING_AIM = {"linear": 1, "hysteretic": 2}
+"""rms tracking error that no cycle should exceed, by contact model, % of the maximum stress."""
+
 
 def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Tracking error per cycle, and the extremes of the measured stress against their targets."""
@@ -25,7 +28,7 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     for curve in curves:
         top = curve.setup["loading.stress_max"] if curve.setup else 460e3
         draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top)
-    for limit, text in ((1, "aim, linear bed"), (2, "aim, nonlinear bed")):
+    for limit, text in ((TRACKING_AIM["linear"], "aim, linear bed"), (TRACKING_AIM["hysteretic"], "aim, nonlinear bed")):
         error.axes.axhline(limit, color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)), zorder=1)
         error.axes.text(
             0.015,
