@@ -75,7 +75,7 @@ def overview_section(book: Book, profile: str) -> dict:
             "after",
             "The bed after loading",
             "Two-sphere clumps coloured by how far they moved since the end of preload; sleeper and plates as glass, "
-            "where they stand at the end.",
+            "where they stand at the end. The full bed is cut open along the middle of the sleeper.",
         )
         if best
         else None

@@ -27,6 +27,9 @@ PICTURE_WIDTH = 1600
 CUT_FROM_WIDTH_M = 0.25
 """Beds at least this wide are cut open along the sleeper; a narrow slice is drawn whole."""
 
+MOST_HEIGHT = 1.5
+"""What flies higher than this many heights of the sleeper's top is cut off the picture."""
+
 
 def is_cut(scene: Scene) -> bool:
     """True where pictures show the bed cut open along the sleeper."""
@@ -66,7 +69,9 @@ def picture(
             for z in (0, scene.sleeper.high[2])
         ]
     )
-    view = render.camera(corners, azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
+    crowns = beds.positions(bed) + [0, 0, clump.radius_m + clump.half_distance_m]  # also of clumps thrown out of the cribs
+    crowns[:, 2] = np.minimum(crowns[:, 2], MOST_HEIGHT * scene.sleeper.high[2])
+    view = render.camera(np.vstack([corners, crowns]), azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
     faces = [
         face
         for block in blocks
