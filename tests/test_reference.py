@@ -7,15 +7,17 @@ import textwrap
 import tomllib
 
 import numpy as np
+import pandas as pd
 import pytest
 from synthetic import write_run
 
 from analysis import load_runs
-from analysis.comparison import compare
+from analysis.comparison import compare, quantities
 from analysis.comparison.claims import evaluate_claims
 from analysis.reference import check, webplotdigitizer
 from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
 from analysis.reference.settlement_laws import settlement_laws
+from analysis.report.build import build
 from analysis.report.figures.gallery import Gallery
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.porosity import porosity_figure
@@ -289,11 +291,34 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
         if draw is not porosity_figure:
             assert "experiment" in text and "Chen 2015" in text
         assert "paper " in text and "pending" not in text
+        # the CSV behind a panel holds the reference's points, too (the profiles after cycle 1)
+        points = pd.read_csv(tmp_path / "figures" / f"{drawn.panels[0].name}.csv")
+        assert points["run"].astype(str).str.startswith("reference ").any()
+        if draw is settlement_figure:  # a short run is not squashed by a reference of 1000 cycles
+            assert drawn.panels[0].hover["x"][1] < 6 and 1000 in drawn.panels[1].hover["series"][-1]["x"]
+            assert abs(drawn.panels[0].hover["y"][0]) < 7
+
+    profiles = compare.lateral_reference_table(runs, references)
+    assert set(profiles["cycle"]) == {1} and {"experiment after 1"} <= set(profiles["curve"])
+    first = profiles[profiles["curve"] == "experiment after 1"].iloc[0]
+    depth = quantities.plate_depths(runs[0].scenario)
+    theirs = np.interp(depth, DEPTH_MM * 1e-3, np.array([1.0, 2, 3, 2, 1]) * 1e-3)
+    ours = runs[0].cycles.loc[0, [f"lateral_{k}_m" for k in range(1, 6)]].to_numpy(dtype=float)
+    inside = (depth >= DEPTH_MM[0] * 1e-3) & (depth <= DEPTH_MM[-1] * 1e-3)
+    assert first["rms_m"] == pytest.approx(np.sqrt(np.mean((ours - theirs)[inside] ** 2)))
 
     scored = compare.reference_table(runs, references)
     assert set(scored["curve"]) == {"experiment", "simulation", "linear-mu0.8"}
     ours = np.interp([1, 2, 5], runs[0].cycles["cycle"], runs[0].cycles["settlement_m"])
     assert scored["shift_m"].to_numpy() == pytest.approx((ours - SETTLEMENT_MM[:3] * 1e-3).mean())
+
+    build(tmp_path / "results", tmp_path / "report", tmp_path / "none", folder)
+    page = (tmp_path / "report" / "figures.html").read_text()
+    assert "Where the reference curves come from" in page and page.count("A. Tester, 2026-03-01") == len(sidecars(folder))
+    assert "Lateral displacement against the reference profiles" in page
+    first_page = (tmp_path / "report" / "index.html").read_text()
+    assert "Reference curves in hand" in first_page and "by A. Tester" in first_page
+    assert "reference curves of" not in first_page  # none is pending
 
     judged = [v for v in evaluate_claims(runs, references) if v.claim.reference]
     assert len(judged) == 10 and not any("(pending)" in m for v in judged for m in v.missing)
