@@ -6,7 +6,8 @@ import pytest
 from synthetic import write_run
 
 from analysis.driver import calibrate
-from analysis.normalised.readers import Run
+from analysis.files import write_csv
+from analysis.normalised.readers import Run, load_runs
 from analysis.scenarios import lattice
 from analysis.scenarios.scenario import load_scenario
 
@@ -35,3 +36,47 @@ def test_a_bed_without_results_has_empty_cells(tmp_path):
         (folder / name).unlink()
     row = calibrate.row(scenario, Run(folder))
     assert row["cycles"] == 0 and math.isnan(row["clumps"]) and math.isnan(row["settlement_m"])
+
+
+def test_gaps_are_tried_at_the_chosen_aspect_and_aspects_at_the_chosen_gap():
+    scenario = load_scenario("linear-mu0.8", "full")
+    aspect, gap = scenario["clump.aspect"], scenario["packing.lattice_gap"]
+    assert calibrate.choices(scenario, [0.015, gap], [1.5, aspect]) == [(1.5, gap), (aspect, gap), (aspect, 0.015)]
+
+
+def test_beds_that_are_tried_are_no_runs_of_the_scenario(tmp_path):
+    write_run(tmp_path, "full", "linear-mu0.8", "liggghts", cycles=3)
+    write_run(tmp_path / "calibration/aspect2-gap14.1mm", "full", "linear-mu0.8", "liggghts", cycles=9)
+    assert [run.id for run in load_runs(tmp_path)] == ["full/linear-mu0.8/liggghts"]
+
+
+def test_the_table_is_read_as_it_was_written(tmp_path):
+    write_csv(tmp_path / "calibration.csv", [calibrate.COLUMNS, [str(n) for n in range(len(calibrate.COLUMNS))]])
+    table = calibrate.read_table(tmp_path / "calibration.csv")
+    assert list(table.columns) == list(calibrate.COLUMNS) and len(table) == 1
+
+
+@pytest.mark.parametrize("text, says", [("", "column scenario is missing"), ("a,b\n1,2,3\n", "is missing"),
+                                        (",".join(calibrate.COLUMNS) + "\n", "has no row")])
+def test_a_damaged_table_is_refused_in_a_line_with_the_remedy(tmp_path, text, says):
+    (tmp_path / "calibration.csv").write_text(text)
+    with pytest.raises(ValueError, match=says) as refused:
+        calibrate.read_table(tmp_path / "calibration.csv")
+    assert "calibration.csv" in str(refused.value) and "make calibrate" in str(refused.value)
+
+
+def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, monkeypatch, capsys):
+    def tried(scenario, options, stop):
+        state = "failed" if scenario["clump.aspect"] == 2 else "finished"
+        folder = write_run(tmp_path / f"{scenario['clump.aspect']}", "demo", scenario.name, "liggghts", cycles=3,
+                           info={"state": state, "reason": "not at rest" if state == "failed" else ""})
+        return Run(folder)
+
+    monkeypatch.setattr(calibrate, "load", tried)
+    monkeypatch.setattr(calibrate, "versions", lambda code: {})
+    out = tmp_path / "calibration.csv"
+    code = calibrate.main(["--profile", "demo", "--gaps", "--aspects", "1.8", "2", "--cycles", "3", "--out", str(out)])
+    table = calibrate.read_table(out)
+    assert code == 1 and table["state"].tolist() == ["finished", "finished", "failed", "failed"]
+    assert table["scenario"].tolist() == ["linear-mu0.8", "nonlinear-en1.0"] * 2
+    assert (table["settlement_m"] > 0).all() and table["aspect"].tolist() == [1.8, 1.8, 2, 2]

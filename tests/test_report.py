@@ -13,7 +13,10 @@ import pandas as pd
 import pytest
 from synthetic import write_run
 
+from analysis.driver import calibrate
+from analysis.files import write_csv
 from analysis.normalised import beds
+from analysis.normalised.readers import Run
 from analysis.report import build as report
 from analysis.report import style
 from analysis.report.book import is_variant
@@ -82,7 +85,9 @@ class Page(HTMLParser):
 
 
 def build(results, out):
-    """Build a report from `results` alone; any warning is an error. Returns the pages by file name."""
+    """Build a report from `results` alone, as if `none` in it were kept; any warning is an error. Returns the pages by
+    file name.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         report.build(results, out, kept_runs=results / "none")
@@ -401,6 +406,30 @@ def test_camera_axes_are_orthonormal_and_up_is_up(azimuth, elevation):
     axes = np.stack([eye.right, eye.up, eye.towards])
     assert np.allclose(axes @ axes.T, np.eye(3)) and eye.up[2] >= 0
     assert eye.towards[2] == pytest.approx(np.sin(np.radians(elevation)))
+
+
+def test_beds_tried_in_calibration_are_shown_with_the_chosen_one_marked(tmp_path):
+    chosen = load_scenario("linear-mu0.8", "full")
+    rows = []
+    for name in ("linear-mu0.8", "nonlinear-en1.0"):
+        for aspect in (chosen["clump.aspect"], 2.0):
+            folder = write_run(tmp_path / f"beds{aspect}", "full", name, "liggghts", cycles=3)
+            rows.append(calibrate.row(chosen.replace("clump.aspect", aspect), Run(folder)))
+    results, out = tmp_path / "results", tmp_path / "report"
+    write_csv(results / "none" / "calibration.csv", [list(rows[0]), *(list(r.values()) for r in rows)])
+    pages = build(results, out)
+    says = pages["assumptions.html"].says
+    assert says.count(f"{chosen['clump.aspect']:g} (chosen)") == 2 and "How the bed was calibrated" in says
+    drawn = pd.read_csv(out / "figures" / "calibration-settlement.csv")
+    assert drawn["settlement_m"].tolist() == pytest.approx([row["settlement_m"] for row in rows], rel=1e-8)  # 9 digits
+
+
+def test_a_damaged_calibration_table_costs_its_section_and_one_line(tmp_path, capsys):
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none" / "calibration.csv").write_text("aspect\n2\n")
+    pages = build(tmp_path, tmp_path / "report")
+    assert "How the bed was calibrated" not in pages["assumptions.html"].says
+    assert capsys.readouterr().err.count("calibration.csv") == 1
 
 
 def test_scene_puts_sleeper_and_plates_where_they_stand(tmp_path):

@@ -1,16 +1,17 @@
-"""Calibrate the packing: the full linear bed over a range of lattice gaps and clump aspects.
+"""Calibrate the packing: the full bed over lattice gaps at the chosen clump aspect, and over aspects at the chosen gap.
 
-`make calibrate` packs, preloads and loads each bed for a few cycles and writes calibration.csv: clumps and porosity
-beside the paper's, overlaps and contacts of the packed bed, and how far it settles. A bed that is too full is jammed by
-the frictionless relaxation already and moves by micrometres. Each bed is an ordinary run below
-results/calibration/, so that what is done is not done again. Copy the chosen values into scenarios.toml by hand:
-a calibrated value is a decision, not a side effect.
+`make calibrate` packs, preloads and loads each bed for a few cycles, linear and nonlinear, and writes
+reference_data/runs/calibration.csv, which the report shows: clumps and porosity beside the paper's, overlaps and
+contacts of the packed bed, and how far it settles. A bed that is too full is jammed by the frictionless relaxation
+already and moves by micrometres. Each bed is an ordinary run below results/calibration/, so that what is done is not
+done again. Copy the chosen values into scenarios.toml by hand: a calibrated value is a decision, not a side effect.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -20,17 +21,24 @@ from analysis.driver import record
 from analysis.driver.engines import CODES, versions
 from analysis.driver.run import Run
 from analysis.driver.supervise import Interrupted, RunError, StopRequest
+from analysis.normalised.readers import CALIBRATION
 from analysis.normalised.readers import Run as Result
 from analysis.scenarios import lattice
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
 
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Section 2 and Table 1
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
+ASPECTS = (1.5, 1.7, 1.8, 1.875, 2.0)
+TABLE = files.ROOT / "reference_data" / "runs" / "calibration.csv"
 STAGE_COLUMNS = {
     "packing": ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number",
                 "overlap_mean_m", "overlap_max_ratio", "normal_force_mean_N"),
     "preload": ("settlement_m",),
 }
+
+COLUMNS = ("scenario", "code", "seed", "aspect", "lattice_gap_m", "lattice_sites", "clumps_over_reported",
+           *(name if stage == "packing" else f"{stage}_{name}" for stage, names in STAGE_COLUMNS.items() for name in names),
+           "cycles", "settlement_m", "settlement_peak_m", "lateral_3_m", "state")
 
 
 def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float]:
@@ -42,12 +50,42 @@ def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float
     return sorted(gaps.values())
 
 
+def choices(scenario: Scenario, gaps_m: Sequence[float], aspects: Sequence[float]) -> list[tuple[float, float]]:
+    """Pairs of clump aspect and lattice gap (m): each gap with the scenario's aspect, each aspect with its gap."""
+    aspect, gap = scenario["clump.aspect"], scenario["packing.lattice_gap"]
+    return sorted({*((aspect, g) for g in gaps_m), *((a, gap) for a in aspects)})
+
+
 def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> Result:
-    """Run `scenario`, or what is missing of it, and read it back. Raises RunError where the engine fails."""
-    folder = f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
+    """Run `scenario`, or what is missing of it, and read it back, also where it failed: its state says so."""
+    folder = f"{CALIBRATION}/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
     run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
-    run.go()
+    try:
+        run.go()
+    except RunError as error:
+        print(error, file=sys.stderr)
     return Result(run.folder)
+
+
+def read_table(path: Path = TABLE) -> pd.DataFrame:
+    """The table that a calibration wrote, a row per bed and contact model, columns as in `row`.
+
+    Raises FileNotFoundError without it, ValueError where it is not such a table.
+    """
+    try:
+        table = pd.read_csv(path)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
+        table = pd.DataFrame()
+    missing = [name for name in COLUMNS if name not in table]
+    if missing or table.empty:
+        raise ValueError(f"{path.name}: {'column ' + missing[0] + ' is missing' if missing else 'has no row'}; "
+                         "restore it or run `make calibrate`")
+    return table
+
+
+def shortened(value):
+    """A float with six digits, which is more than any bed repeats; other values as they are."""
+    return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
 def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
@@ -55,6 +93,7 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
     stages = result.stages
     clumps = stages.get("packing", {}).get("clumps", float("nan"))
     values = {
+        "scenario": result.scenario_name,
         "code": result.code,
         "seed": result.seed,
         "aspect": scenario["clump.aspect"],
@@ -69,6 +108,7 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
     values["cycles"] = len(result.cycles)
     for name in ("settlement_m", "settlement_peak_m", "lateral_3_m"):
         values[name] = last.get(name, float("nan"))
+    values["state"] = result.info.get("state", "unknown")
     return values
 
 
@@ -76,37 +116,35 @@ def main(argv: list[str] | None = None) -> int:
     """Command line of `make calibrate`."""
     parser = argparse.ArgumentParser(prog="python -m analysis calibrate", description=__doc__.split("\n\n")[0])
     parser.add_argument("--code", choices=CODES, default="liggghts")
-    parser.add_argument("--scenario", default="linear-mu0.8")
+    parser.add_argument("--scenario", nargs="+", default=["linear-mu0.8", "nonlinear-en1.0"], metavar="NAME")
     parser.add_argument("--profile", default="full")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--gaps", type=float, nargs="*", help="m; default: every distinct one from 13.3 to 15 mm")
-    parser.add_argument("--aspects", type=float, nargs="*", help="default: that of the scenario file")
-    parser.add_argument("--cycles", type=int, default=3)
+    parser.add_argument("--gaps", type=float, nargs="*", help="m; default: one for each number of sites from 13.3 to 15 mm")
+    parser.add_argument("--aspects", type=float, nargs="*", default=ASPECTS)
+    parser.add_argument("--cycles", type=int, default=5)
     parser.add_argument("--results", type=Path, default=files.ROOT / "results")
-    parser.add_argument("--out", type=Path, default=files.ROOT / "report" / "calibration.csv")
+    parser.add_argument("--out", type=Path, default=TABLE, help="written when all beds are done")
     options = parser.parse_args(argv)
     versions(options.code)
     options.results = options.results.resolve()
     options = argparse.Namespace(**vars(options), ranks=1, bed=None, until=None, scenarios=SCENARIO_FILE, progress="lines")
 
     stop, rows = StopRequest(), []
-    base = load_scenario(options.scenario, options.profile, cycles=options.cycles)
-    gaps = options.gaps or distinct_gaps(base, *GAPS_M)
-    for aspect in options.aspects or [base["clump.aspect"]]:
-        for gap in gaps:
+    bases = [load_scenario(name, options.profile, cycles=options.cycles) for name in options.scenario]
+    gaps = distinct_gaps(bases[0], *GAPS_M) if options.gaps is None else options.gaps
+    for aspect, gap in choices(bases[0], gaps, options.aspects):
+        for base in bases:
             scenario = base.replace("packing.lattice_gap", gap).replace("clump.aspect", aspect)
             try:
                 rows.append(row(scenario, load(scenario, options, stop)))
             except Interrupted:
                 print("calibrate: stopped; the same command goes on", file=sys.stderr)
                 return 128 + stop.signal
-            except RunError as error:
-                print(error, file=sys.stderr)
-                continue
-            files.write_csv(options.out, [list(rows[0]), *(list(r.values()) for r in rows)])
             print(pd.DataFrame(rows[-1:]).to_string(index=False), flush=True)
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    files.write_csv(options.out, [list(table.columns), *table.map(shortened).to_numpy().tolist()])
     print(f"written: {record.relative(options.out)}")
-    return 0 if rows else 1
+    return 0 if (table["state"] == "finished").all() else 1
 
 
 if __name__ == "__main__":

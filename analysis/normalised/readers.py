@@ -24,6 +24,8 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 from analysis.scenarios.schema import KEYS
 
 IDENTITY = ("profile", "scenario", "code", "seed")
+CALIBRATION = "calibration"
+"""Folder of the beds that `make calibrate` tries."""
 
 _INFO_TYPES = {
     "scenario": str,
@@ -97,13 +99,15 @@ def load_runs(
 
 
 def _run_folders(results_dir: Path) -> list[Path]:
-    """Folders that hold a run.json or a cycles.csv, in the order of their paths; raw output is not searched."""
+    """Folders that hold a run.json or a cycles.csv, in the order of their paths; raw output is not searched, nor are
+    the beds that `make calibrate` tries, which have the scenario's name but not its parameters.
+    """
     found = []
     for folder, below, files in os.walk(results_dir):
         if {"run.json", "cycles.csv"} & set(files):
             found.append(Path(folder))
             below[:] = []
-        below[:] = sorted(name for name in below if not name.startswith("."))
+        below[:] = sorted(name for name in below if name != CALIBRATION and not name.startswith("."))
     return sorted(found)
 
 

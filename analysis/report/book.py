@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison import claims, compare
-from analysis.driver import status
+from analysis.driver import calibrate, status
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figures.gallery import Gallery
@@ -48,6 +48,8 @@ class Book:
     verification_folder: Path
     problems: list[str]
     results: str
+    calibration: Path = calibrate.TABLE
+    """Table of the beds that were tried."""
     _agreement: dict[str, pd.DataFrame] = field(default_factory=dict)
 
     @cached_property

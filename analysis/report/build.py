@@ -16,7 +16,7 @@ import jinja2
 
 from analysis.comparison.claims import ClaimError
 from analysis.comparison.quantities import last_cycle
-from analysis.driver import record
+from analysis.driver import calibrate, record
 from analysis.files import ROOT, write_aside
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
@@ -99,6 +99,7 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
         out / "verification",
         problems,
         shown_path(results),
+        kept_runs / calibrate.TABLE.name,
     )
     with style.settings():
         write_pages(book, out, stamp)

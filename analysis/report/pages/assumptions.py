@@ -6,15 +6,19 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
 from analysis.comparison import compare, quantities
 from analysis.comparison.quantities import last_cycle
+from analysis.driver import calibrate
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
 from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, name_of
+from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.names import KPA, MM, short_name
+from analysis.report.style import CODE_NAMES
 from analysis.report.words import Column, Table, number, plural, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
@@ -57,9 +61,64 @@ def assumptions(book: Book) -> dict:
         "differences": difference_table(scenarios),
         "base": base.name if base else "",
         "sensitivity": table,
+        "calibration": calibration(book, base),
         "plates": plate_laws(book),
         "sensitivity_missing": missing,
     }
+
+
+def calibration(book: Book, base: Scenario | None) -> dict:
+    """Table and figure of the beds that `make calibrate` tried, the chosen one marked; {} where there are none."""
+    try:
+        beds = calibrate.read_table(book.calibration)
+    except FileNotFoundError:
+        return {}
+    except ValueError as error:
+        book.gallery.complain(str(error))
+        return {}
+    chosen = (base["clump.aspect"], base["packing.lattice_gap"]) if base else (np.nan, np.nan)
+    return {
+        "table": calibration_table(beds, chosen),
+        "figure": calibration_figure(book.gallery, beds, chosen),
+    }
+
+
+def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
+    """One row per bed and contact model; `chosen` are the aspect and the gap (m) of the scenario file."""
+    cycles = int(beds["cycles"].max())
+    table = Table(
+        f"Beds tried, {CODE_NAMES.get(beds['code'].iloc[0], beds['code'].iloc[0])}; the paper's has "
+        f"{calibrate.REPORTED_CLUMPS} clumps at porosity {calibrate.REPORTED_POROSITY}",
+        [
+            Column("aspect", True),
+            Column("lattice gap, mm", True),
+            Column("contacts"),
+            Column("clumps", True),
+            Column("of the paper's, %", True),
+            Column("mean porosity", True),
+            Column("contacts per clump", True),
+            Column("preload settlement, mm", True),
+            Column(f"settlement after {plural(cycles, 'cycle')}, mm", True),
+            Column("state"),
+        ],
+    )
+    for bed in beds.itertuples():
+        table.rows.append(
+            [
+                shown(bed.aspect) + (" (chosen)" if (bed.aspect, bed.lattice_gap_m) == chosen else ""),
+                shown(bed.lattice_gap_m * MM),
+                short_name(bed.scenario),
+                number(bed.clumps, 4),
+                number(100 * bed.clumps_over_reported, 4),
+                number(bed.porosity_mean, 3),
+                number(bed.coordination_number, 3),
+                number(bed.preload_settlement_m, 3, MM),
+                number(bed.settlement_m, 3, MM) if bed.cycles == cycles else f"– ({plural(bed.cycles, 'cycle')})",
+                bed.state,
+            ]
+        )
+    table.note = f"From `make calibrate`, seed {', '.join(map(str, sorted(set(beds['seed']))))}."
+    return table
 
 
 def plate_laws(book: Book) -> list[dict]:

@@ -1,0 +1,67 @@
+"""The beds that were tried when the packing was calibrated."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from analysis.driver.calibrate import REPORTED_CLUMPS, REPORTED_POROSITY
+from analysis.report import style
+from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.names import MM, short_name
+from analysis.report.style import INK, PAPER, SOFT, Canvas
+
+
+def calibration_figure(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Figure | None:
+    """Clumps against porosity of all beds, and how settlement depends on the clump's aspect at the chosen gap.
+
+    beds     as `calibrate.read_table` gives them
+    chosen   aspect and lattice gap (m) of the scenario file
+    """
+    return g.finish(
+        "calibration",
+        "Calibration of the packing",
+        "Left: clumps and mean porosity of the packed beds, each named by the aspect of its clumps, or by the gap of its "
+        "lattice where that is not the chosen one; the filled one was chosen. Right: settlement of beds of the chosen gap "
+        f"after {beds['cycles'].max():.0f} cycles. What was tuned to count and porosity is no evidence for them any more; "
+        "the settlement was not tuned.",
+        [_packed(g, beds, chosen), _settled(g, beds, chosen)],
+        [],
+    )
+
+
+def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas:
+    c = style.canvas("calibration-packing", "Clumps and porosity of the beds that were tried", right=0.3)
+    packed = beds[beds["scenario"] == beds["scenario"].iloc[0]].dropna(subset=["clumps", "porosity_mean"])
+    colour, _ = g.look(beds["scenario"].iloc[0])
+    for bed in packed.itertuples():
+        is_chosen = (bed.aspect, bed.lattice_gap_m) == chosen
+        c.axes.plot(bed.clumps, bed.porosity_mean, "o", color=colour, markersize=6, markeredgewidth=1.3,
+                    markerfacecolor=colour if is_chosen else PAPER)
+        text = f"aspect {bed.aspect:g}" if bed.lattice_gap_m == chosen[1] else f"gap {bed.lattice_gap_m * MM:g} mm"
+        c.axes.annotate(text, (bed.clumps, bed.porosity_mean), xytext=(6, 0), textcoords="offset points", va="center",
+                        fontsize=8, color=colour)
+    c.axes.plot(REPORTED_CLUMPS, REPORTED_POROSITY, "+", color=INK, markersize=13, markeredgewidth=1.6)
+    c.axes.annotate("paper", (REPORTED_CLUMPS, REPORTED_POROSITY), xytext=(-8, 5), textcoords="offset points",
+                    ha="right", fontsize=8, color=INK)
+    c.axes.axvspan(0.98 * REPORTED_CLUMPS, 1.02 * REPORTED_CLUMPS, color=SOFT, alpha=0.12, linewidth=0)
+    c.axes.set(xlabel="clumps after packing (grey: ± 2 % of the paper's)", ylabel="mean porosity of the three spheres")
+    c.axes.margins(0.14, 0.1)
+    c.table = packed
+    return c
+
+
+def _settled(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas | None:
+    settled = beds[(beds["lattice_gap_m"] == chosen[1]) & (beds["settlement_m"] > 0)]
+    settled = settled[settled["cycles"] == beds["cycles"].max()].sort_values("aspect")
+    if settled.empty:
+        return None
+    c = style.canvas("calibration-settlement", "Settlement against the aspect of the clump")
+    for scenario, part in settled.groupby("scenario", sort=False):
+        colour, _ = g.look(scenario)
+        c.axes.plot(part["aspect"], MM * part["settlement_m"], "o-", color=colour)
+        c.labels.append((part["aspect"].iloc[-1], MM * part["settlement_m"].iloc[-1], short_name(scenario), colour))
+    c.axes.axvline(chosen[0], color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)))
+    c.axes.set_yscale("log")
+    c.axes.set(xlabel="aspect of the clump, length over width", ylabel="settlement, mm (logarithmic)")
+    c.table = settled
+    return c
