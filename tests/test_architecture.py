@@ -12,13 +12,14 @@ ANALYSIS = Path(__file__).resolve().parent.parent / "analysis"
 MAY_IMPORT = {
     "laws": set(),
     "files": set(),
+    "arguments": set(),
     "scenarios": {"laws", "files"},
     "normalised": {"scenarios", "files"},
-    "driver": {"scenarios", "normalised", "files"},
-    "reference": {"scenarios", "files"},
+    "driver": {"scenarios", "normalised", "files", "arguments"},
+    "reference": {"scenarios", "files", "arguments"},
     "comparison": {"reference", "normalised", "scenarios", "laws", "files"},
-    "report": {"comparison", "reference", "driver", "normalised", "scenarios", "laws", "files"},
-    "verification": {"driver", "normalised", "scenarios", "laws", "files"},
+    "report": {"comparison", "reference", "driver", "normalised", "scenarios", "laws", "files", "arguments"},
+    "verification": {"driver", "normalised", "scenarios", "laws", "files", "arguments"},
 }
 MODULES = sorted(path for path in ANALYSIS.rglob("*.py") if path.parent != ANALYSIS or path.stem in MAY_IMPORT)
 

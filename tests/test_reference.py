@@ -412,6 +412,9 @@ BAD = {
     "open question": (
         _fill(**{'digitised_by = "A. Tester"': 'digitised_by = "?"'}),
         ["digitised_by", '"?" is still open']),
+    "several open questions": (
+        _fill(y=("?", [0, 20]), **{'digitised_by = "A. Tester"': 'digitised_by = "?"', "2026-03-01": '"?"'}),
+        ["digitised_by", "date", "axes.y.unit", '"?" is still open']),
     "unit not filled in": (_fill(y=("?", [0, 20])), ["axes.y.unit", '"?" is still open']),
     "range not filled in": (_fill(**{"range    = [0, 20]": 'range    = "?"'}), ["axes.y.range", '"?" is still open']),
     "no error stated": (_fill(error=(0, "mm")), ["error.value = 0 is refused"]),

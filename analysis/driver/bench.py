@@ -5,12 +5,12 @@ Never a test: a number that depends on what else the machine does cannot fail. R
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import tempfile
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import record, run
 from analysis.driver.engines import CODES
 from analysis.driver.rawfiles import last_rows
@@ -94,7 +94,7 @@ def cpu() -> str:
 
 def main(argv: list[str]) -> int:
     """Command line of `make bench`."""
-    parser = argparse.ArgumentParser(prog="python -m analysis bench", description="Steps per second of both codes.")
+    parser = Parser(prog="python -m analysis bench", description="Steps per second of both codes.")
     parser.add_argument("--profile", default="demo")
     parser.add_argument("--cycles", type=int, default=1, help="cycles to time (default 1)")
     parser.add_argument("--ranks", type=int, default=1)

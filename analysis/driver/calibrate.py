@@ -17,6 +17,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis import files
+from analysis.arguments import Parser
 from analysis.driver import record
 from analysis.driver.engines import CODES, versions
 from analysis.driver.run import Run
@@ -114,7 +115,7 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
 
 def main(argv: list[str] | None = None) -> int:
     """Command line of `make calibrate`."""
-    parser = argparse.ArgumentParser(prog="python -m analysis calibrate", description=__doc__.split("\n\n")[0])
+    parser = Parser(prog="python -m analysis calibrate", description=__doc__.split("\n\n")[0])
     parser.add_argument("--code", choices=CODES, default="liggghts")
     parser.add_argument("--scenario", nargs="+", default=["linear-mu0.8", "nonlinear-en1.0"], metavar="NAME")
     parser.add_argument("--profile", default="full")

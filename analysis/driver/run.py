@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import checkpoints, record
 from analysis.driver.engines import CODES, STAGES, EngineError, command, versions, write_inputs
 from analysis.driver.locks import Busy, hold
@@ -440,7 +441,7 @@ def _arguments(argv: list[str]) -> argparse.Namespace:
     def path(text: str) -> Path:
         return Path(text).resolve()
 
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it."
     )
     parser.add_argument("scenario", help="a scenario of the scenario file")

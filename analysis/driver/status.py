@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 from datetime import UTC, datetime
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import record
 from analysis.driver.locks import is_held
 from analysis.driver.progress import duration
@@ -110,7 +110,7 @@ def table(rows: list[dict[str, str]]) -> str:
 
 def main(argv: list[str]) -> int:
     """Command line of `make status`."""
-    parser = argparse.ArgumentParser(prog="python -m analysis status", description="List all runs.")
+    parser = Parser(prog="python -m analysis status", description="List all runs.")
     parser.add_argument("--results", type=Path, default=ROOT / "results", help="folder of all results")
     results = parser.parse_args(argv).results
     rows = [row(folder) for folder in runs(results)]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, References, load_references
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.scenarios.scenario import ScenarioError
@@ -13,7 +13,7 @@ from analysis.scenarios.scenario import ScenarioError
 
 def main(argv: list[str]) -> int:
     """`python -m analysis reference`: check every file, list what is there and what is pending."""
-    parser = argparse.ArgumentParser(prog="python -m analysis reference", description=main.__doc__)
+    parser = Parser(prog="python -m analysis reference", description=main.__doc__)
     parser.add_argument("--folder", type=Path, default=REFERENCE_FOLDER, help="instead of reference_data/")
     folder = parser.parse_args(argv).folder
     references = load_references(folder)

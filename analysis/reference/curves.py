@@ -161,7 +161,12 @@ def _read_sidecar(sidecar: Path) -> dict:
         raise ReferenceError(f"{sidecar.name}: is not valid TOML: {error}") from None
     head = json.loads(json.dumps(head, default=str))        # a date becomes its text
     schema = json.loads((REFERENCE_FOLDER / "schema.json").read_text(encoding="utf-8"))
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(head))
+    errors = list(jsonschema.Draft202012Validator(schema).iter_errors(head))
+    still_open = dict.fromkeys(_place(error) for error in errors if error.instance == "?")
+    if still_open:
+        raise ReferenceError(f"{sidecar.name}: {', '.join(still_open)} = \"?\" is still open; fill it in, or set "
+                             'status = "pending"')
+    error = jsonschema.exceptions.best_match(errors)
     if error is not None:
         raise ReferenceError(f"{sidecar.name}: {_say(error)}")
     names = [c["dataset"] for c in head["curves"]]
@@ -177,17 +182,19 @@ def _read_sidecar(sidecar: Path) -> dict:
     return head
 
 
+def _place(error: jsonschema.ValidationError) -> str:
+    return ".".join(map(str, error.absolute_path)) or "the file"
+
+
 def _say(error: jsonschema.ValidationError) -> str:
     """One line: where, what is there, and what may be there."""
-    where = ".".join(map(str, error.absolute_path)) or "the file"
+    where = _place(error)
     known = error.schema.get("description", "") if isinstance(error.schema, dict) else ""
     value = json.dumps(error.instance)
     if error.validator == "required":
         name = error.message.split("'")[1]
         near = difflib.get_close_matches(name, error.instance, 1, 0.8)
         return f"{where}: {error.message}; " + (f"rename {near[0]!r}" if near else "add it")
-    if error.validator == "not" or (error.validator == "type" and error.instance == "?"):
-        return f'{where} = "?" is still open; fill it in, or set status = "pending"'
     if error.validator == "enum":
         return (f"{where} = {value} is refused; allowed: "
                 f"{', '.join(UNIT_WORDS.get(v, str(v)) for v in error.validator_value if v != '?')}")

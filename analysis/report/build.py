@@ -5,7 +5,6 @@ The same runs give the same files. Figures lie in `figures/` beside the pages, e
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Iterable
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import jinja2
 
+from analysis.arguments import Parser
 from analysis.comparison.claims import ClaimError
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import calibrate, record
@@ -48,7 +48,7 @@ PAGES = (
 
 def main(argv: list[str]) -> int:
     """Command line of `make compare`."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m analysis report", description="Build the report from the runs that exist."
     )
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the runs")

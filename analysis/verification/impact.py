@@ -36,6 +36,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis import laws
+from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.files import write_csv
 from analysis.scenarios import derived
@@ -225,7 +226,7 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(prog="python -m analysis impact", description=__doc__,
+    parser = Parser(prog="python -m analysis impact", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", help="an impact file, or the name of a scenario: its law, head-on at 1 m/s")
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code")

@@ -6,7 +6,6 @@ command prints which cases caught it, and ends non-zero if one goes unnoticed or
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import subprocess
 import sys
@@ -14,6 +13,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.files import ROOT
 from analysis.verification.verify import verify
@@ -115,7 +115,7 @@ def catching_cases(host: Path, folder: Path) -> list[str]:
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(prog="python -m analysis mutations", description=__doc__.split("\n")[0])
+    parser = Parser(prog="python -m analysis mutations", description=__doc__.split("\n")[0])
     parser.add_argument("--only",
                         type=int,
                         action="append",

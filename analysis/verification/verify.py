@@ -6,7 +6,6 @@ behind them. Ends non-zero if a row fails.
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import sys
@@ -15,6 +14,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.verification.cases import clumps as verify_clumps
 from analysis.verification.cases import impacts as verify_impacts
@@ -77,7 +77,7 @@ def case_names() -> list[str]:
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(prog="python -m analysis verify", description=__doc__.split("\n")[0])
+    parser = Parser(prog="python -m analysis verify", description=__doc__.split("\n")[0])
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code (may be given twice)")
     parser.add_argument("--case", choices=case_names(), action="append", help="only this case (may be given again)")
     parser.add_argument("--out", type=Path, default=Path("report"), help="folder of verification.csv")

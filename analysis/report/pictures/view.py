@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver.engines import CODES
 from analysis.driver.run import run_folder
 from analysis.report import style
@@ -16,7 +16,7 @@ from analysis.report.pictures.scene import ViewError, last_with_contacts, load_s
 
 def main(argv: list[str]) -> int:
     """Write the pictures and ParaView files of one run into its folder `view/`."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m analysis view", description="Pictures of a bed, and files for ParaView."
     )
     parser.add_argument("scenario")
