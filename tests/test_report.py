@@ -419,7 +419,8 @@ def test_beds_tried_in_calibration_are_shown_with_the_chosen_one_marked(tmp_path
     write_csv(results / "none" / "calibration.csv", [list(rows[0]), *(list(r.values()) for r in rows)])
     pages = build(results, out)
     says = pages["assumptions.html"].says
-    assert says.count(f"{chosen['clump.aspect']:g} (chosen)") == 2 and "How the bed was calibrated" in says
+    assert says.count("(chosen)") == 1 and f"{chosen['clump.aspect']:g}, 14.1 mm (chosen)" in says
+    assert "How the bed was calibrated" in says
     drawn = pd.read_csv(out / "figures" / "calibration-settlement.csv")
     assert drawn["settlement_m"].tolist() == pytest.approx([row["settlement_m"] for row in rows], rel=1e-8)  # 9 digits
 

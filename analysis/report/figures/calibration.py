@@ -30,7 +30,7 @@ def calibration_figure(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, floa
 
 
 def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas:
-    c = style.canvas("calibration-packing", "Clumps and porosity of the beds that were tried", right=0.3)
+    c = style.canvas("calibration-packing", "Clumps and porosity of the beds that were tried", right=0.5)
     packed = beds[beds["scenario"] == beds["scenario"].iloc[0]].dropna(subset=["clumps", "porosity_mean"])
     colour, _ = g.look(beds["scenario"].iloc[0])
     for bed in packed.itertuples():

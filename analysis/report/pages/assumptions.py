@@ -84,40 +84,48 @@ def calibration(book: Book, base: Scenario | None) -> dict:
 
 
 def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
-    """One row per bed and contact model; `chosen` are the aspect and the gap (m) of the scenario file."""
-    cycles = int(beds["cycles"].max())
+    """One row per bed, with how far it settles under each contact model; `chosen` are the aspect and the gap (m) of the
+    scenario file.
+    """
+    cycles, models = int(beds["cycles"].max()), list(dict.fromkeys(beds["scenario"]))
+    codes, seeds = (sorted(set(beds[name])) for name in ("code", "seed"))
     table = Table(
-        f"Beds tried, {CODE_NAMES.get(beds['code'].iloc[0], beds['code'].iloc[0])}; the paper's has "
+        f"Beds tried in {' and '.join(CODE_NAMES.get(code, code) for code in codes)}; the paper's has "
         f"{calibrate.REPORTED_CLUMPS} clumps at porosity {calibrate.REPORTED_POROSITY}",
         [
-            Column("aspect", True),
-            Column("lattice gap, mm", True),
-            Column("contacts"),
+            Column("aspect and gap"),
             Column("clumps", True),
             Column("of the paper's, %", True),
             Column("mean porosity", True),
             Column("contacts per clump", True),
-            Column("preload settlement, mm", True),
-            Column(f"settlement after {plural(cycles, 'cycle')}, mm", True),
-            Column("state"),
+            *(
+                Column(f"{what}, {short_name(model)}, mm", True)
+                for model in models
+                for what in ("preload", plural(cycles, "cycle"))
+            ),
         ],
     )
-    for bed in beds.itertuples():
-        table.rows.append(
-            [
-                shown(bed.aspect) + (" (chosen)" if (bed.aspect, bed.lattice_gap_m) == chosen else ""),
-                shown(bed.lattice_gap_m * MM),
-                short_name(bed.scenario),
-                number(bed.clumps, 4),
-                number(100 * bed.clumps_over_reported, 4),
-                number(bed.porosity_mean, 3),
-                number(bed.coordination_number, 3),
-                number(bed.preload_settlement_m, 3, MM),
-                number(bed.settlement_m, 3, MM) if bed.cycles == cycles else f"– ({plural(bed.cycles, 'cycle')})",
-                bed.state,
-            ]
-        )
-    table.note = f"From `make calibrate`, seed {', '.join(map(str, sorted(set(beds['seed']))))}."
+    for (aspect, gap), bed in beds.groupby(["aspect", "lattice_gap_m"]):
+        first = bed.iloc[0]
+        row = [
+            f"{shown(aspect)}, {shown(gap * MM)} mm" + (" (chosen)" if (aspect, gap) == chosen else ""),
+            number(first["clumps"], 4),
+            number(100 * first["clumps_over_reported"], 4),
+            number(first["porosity_mean"], 3),
+            number(first["coordination_number"], 3),
+        ]
+        for model in models:
+            loaded = bed[bed["scenario"] == model]
+            if loaded.empty:
+                row += ["–", "–"]
+                continue
+            last = loaded.iloc[0]
+            settled = number(last["settlement_m"], 3, MM)
+            if last["cycles"] < cycles:
+                settled = f"{last['state']} after {plural(last['cycles'], 'cycle')}"
+            row += [number(last["preload_settlement_m"], 3, MM), settled]
+        table.rows.append(row)
+    table.note = f"From `make calibrate`, seed {', '.join(map(str, seeds))}. Settlement in preload, and after it."
     return table
 
 
