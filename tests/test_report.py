@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from synthetic import write_run
 
+from analysis.comparison.pairs import same_bed_pairs, settlements
 from analysis.driver import calibrate
 from analysis.files import write_csv
 from analysis.normalised import beds
@@ -20,7 +21,6 @@ from analysis.normalised.readers import Run
 from analysis.report import build as report
 from analysis.report import style
 from analysis.report.book import is_variant
-from analysis.report.pages.comparison import same_bed_table
 from analysis.report.pictures import render, view
 from analysis.report.pictures.scene import load_scene
 from analysis.report.words import number
@@ -278,15 +278,12 @@ def test_longest_of_equal_runs_is_drawn_and_the_other_named(tmp_path):
     assert list(chosen) == [long] and [run for run, _ in left_out] == [short]
 
 
-def test_runs_from_one_bed_are_paired_by_code_and_by_time_step(tmp_path):
+def test_runs_from_one_bed_stand_side_by_side_by_code_and_by_time_step(tmp_path):
+    given = {"bed": "results/x/bed_packed.csv"}
     folders = [
         write_run(tmp_path, "demo", "linear-mu0.8", "liggghts", cycles=3),
-        write_run(
-            tmp_path / "same", "demo", "linear-mu0.8", "yade", cycles=3, info={"bed": "results/x/bed_packed.csv"}
-        ),
-        write_run(
-            tmp_path / "half", "demo", "linear-mu0.8", "yade", cycles=3, info={"bed": "results/x/bed_packed.csv"}
-        ),
+        write_run(tmp_path / "same", "demo", "linear-mu0.8", "yade", cycles=3, info=given),
+        write_run(tmp_path / "half", "demo", "linear-mu0.8", "liggghts", cycles=3, info=given),
     ]
     law = load_scenario("linear-mu0.8", "demo", cycles=3)
     (folders[2] / "scenario.json").write_text(law.replace("time.step", law["time.step"] / 2).to_json())
@@ -295,15 +292,19 @@ def test_runs_from_one_bed_are_paired_by_code_and_by_time_step(tmp_path):
         stages["preload"]["settlement_m"] = down * 1e-3
         (folder / "stages.json").write_text(json.dumps(stages))
     runs = report.load_runs(tmp_path)
-    drawn = [run for run in runs if not is_variant(run)]
-    assert [run.id for run in drawn] == ["demo/linear-mu0.8/liggghts"]
-    book = report.Book(report.Runs(drawn), report.Runs(r for r in runs if is_variant(r)), [], *[None] * 4, [], "")
-    rows = same_bed_table(book, "demo").rows
-    assert {row[1] for row in rows} == {"code", "time step, 2.9·10⁻⁶ and 1.45·10⁻⁶ s"}
-    assert {tuple(row[4:7]) for row in rows} >= {
-        ("preload settlement, mm", "1", "2"),
-        ("preload settlement, mm", "2", "3"),
-    } and len(rows) == 2 * (1 + 3)
+    assert [run.id for run in runs if not is_variant(run)] == ["demo/linear-mu0.8/liggghts"]
+    found = same_bed_pairs(runs)
+    assert [(pair.differs, pair.other.id) for pair in found] == [
+        ("code", "same/demo/linear-mu0.8/yade"),
+        ("time.step", "half/demo/linear-mu0.8/liggghts"),
+    ]
+    table = settlements(found[0])
+    assert table["cycle"].tolist() == [0, 1, 2, 3]
+    assert table.loc[0, ["one_m", "other_m", "difference_m"]].tolist() == [1e-3, 2e-3, 1e-3]
+    assert table.loc[0, "difference_ratio"] == pytest.approx(1 / 1.5)
+    says = build(tmp_path, tmp_path / "report")["comparison.html"].says
+    assert "LIGGGHTS YADE difference, % LIGGGHTS 2.9 µs LIGGGHTS 1.45 µs difference, %" in says
+    assert "in preload 1 2 67 1 3 100" in says and "after 3 cycles" in says
 
 
 def test_command_prints_one_line_for_a_scenario_file_that_cannot_be_used(tmp_path, monkeypatch, capsys):

@@ -17,7 +17,6 @@ from analysis.report.figures.gallery import Gallery
 from analysis.report.names import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
-from analysis.scenarios.schema import NO_PHYSICS
 
 KEY_SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
 """The two the paper's discussion rests on; the overview shows them, and scenarios that are not the paper's."""
@@ -133,17 +132,6 @@ def is_variant(run: Run) -> bool:
     """
     given = not str(run.info.get("bed", "own")).startswith(("own", "../../"))
     return given or bool(SENSITIVITY.fullmatch(run.scenario_name))
-
-
-def changed_keys(one: Run, other: Run) -> list[str]:
-    """Parameters in which two runs differ, but for those that only say how long a run goes on and what it writes."""
-    return [
-        key
-        for key in one.scenario.parameters
-        if key in other.scenario.parameters
-        and one.scenario[key] != other.scenario[key]
-        and not key.startswith(NO_PHYSICS)
-    ]
 
 
 def overview_runs(book: Book, profile: str) -> tuple[Runs, str]:

@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import compare, quantities
+from analysis.comparison.pairs import changed_keys
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import calibrate
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.book import KEY_SCENARIOS, Book, changed_keys, known_scenarios, name_of
+from analysis.report.book import KEY_SCENARIOS, Book, known_scenarios, name_of
 from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure

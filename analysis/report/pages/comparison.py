@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import compare, quantities
+from analysis.comparison import compare, pairs, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.report.book import (
     PROFILE_TEXT,
     Book,
-    changed_keys,
     code_of,
     name_of,
     overview_runs,
@@ -20,9 +19,10 @@ from analysis.report.book import (
 from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
+from analysis.report.figures.same_bed import same_bed_figure
 from analysis.report.names import MM, short_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import GRAVITY, Chip, Column, Table, number, plural, quantity_name
+from analysis.report.words import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
 
 AGREEMENT_BRIEF = ("settlement_m", "lateral_mean_m", "resilient_stroke_m", "porosity_2", "coordination_number")
 AGREEMENT_SHOWN = (
@@ -104,15 +104,7 @@ def comparison(book: Book) -> dict:
                 "missing": "It needs a run of the same scenario in both codes.",
             },
             {"heading": "Lateral displacement of the plates", "table": lateral_table(book, profile)},
-            {
-                "heading": "The same bed: two codes, and two time steps",
-                "text": "Both codes, or one code with two time steps, from the very same packed bed: what the codes "
-                "differ by "
-                "is to be read against what a smaller time step changes.",
-                "table": same_bed_table(book, profile),
-                "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE, "
-                "or any runs of one scenario from one bed (BED=…).",
-            },
+            *same_bed_parts(book, profile),
             {"heading": "Packed beds and seeds", "table": seed_table(book, profile)},
             {
                 "heading": "Does it shake down?",
@@ -287,66 +279,59 @@ def rates_table(book: Book, profile: str) -> Table | None:
     return table
 
 
-def same_bed_table(book: Book, profile: str) -> Table | None:
-    """Pairs of runs from the same bed that differ in the code alone, or in the time step alone."""
-    runs = [
-        run
-        for run in (*book.of(profile), *book.variants)
-        if run.profile == profile and len(run.cycles) and run.scenario is not None
+def same_bed_parts(book: Book, profile: str) -> list[dict]:
+    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed."""
+    runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile]
+    beds: dict[str, list[pairs.Pair]] = {}
+    for pair in pairs.same_bed_pairs(runs):
+        beds.setdefault(pair.one.stages["packing"]["bed_sha256"], []).append(pair)
+    parts = [
+        {
+            "table": same_bed_table(found),
+            "figure": same_bed_figure(book.gallery, found, f"same-bed-{profile}" + (f"-{n}" if n > 1 else "")),
+        }
+        for n, found in enumerate(beds.values(), start=1)
     ]
-    runs.sort(key=lambda run: (run.scenario_name, -run.scenario["time.step"], run.code))
-    prints = {run.id: run.stages.get("packing", {}).get("bed_sha256") for run in runs}
-    table = Table(
-        "",
-        [
-            Column("scenario"),
-            Column("what differs"),
-            Column("first run"),
-            Column("second run"),
-            Column("quantity"),
-            Column("first", True),
-            Column("second", True),
-            Column("difference", True),
-            Column("difference, %", True),
-        ],
+    missing = {
+        "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE, "
+        "or any runs of one scenario from one bed (BED=…)."
+    }
+    parts = parts or [missing]
+    parts[0] |= {
+        "heading": "The same bed: two codes, and two time steps",
+        "text": "Both codes, or one code with two time steps, from the very same packed bed: what the codes differ by "
+        "is to be read against what a smaller time step changes.",
+    }
+    return parts
+
+
+def pair_names(pair: pairs.Pair) -> tuple[str, str]:
+    """What tells the two runs of a pair apart: their codes, or their time steps."""
+    if pair.differs == "code":
+        return tuple(CODE_NAMES.get(run.code, run.code) for run in (pair.one, pair.other))
+    return tuple(
+        f"{CODE_NAMES.get(run.code, run.code)} {shown(1e6 * run.scenario['time.step'])} µs"
+        for run in (pair.one, pair.other)
     )
-    for n, one in enumerate(runs):
-        for other in runs[n + 1 :]:
-            if prints[one.id] is None or prints[one.id] != prints[other.id]:
-                continue
-            changed = [key for key in changed_keys(one, other) if not key.startswith("packing.")]  # the bed is the same
-            if one.code != other.code and not changed:
-                what = "code"
-            elif one.code == other.code and changed == ["time.step"]:
-                what = (
-                    f"time step, {number(one.scenario['time.step'], 3)} and {number(other.scenario['time.step'], 3)} s"
-                )
-            else:
-                continue
-            pairs = [
-                ("preload settlement, mm", *(run.stages.get("preload", {}).get("settlement_m") for run in (one, other)))
+
+
+def same_bed_table(found: Sequence[pairs.Pair]) -> Table:
+    """Settlement of pairs from one bed, a row per cycle, the pairs beside each other."""
+    table = Table("Settlement from the same bed, mm", [Column("settlement")])
+    by_cycle: dict[int, dict[int, list[str]]] = {}
+    for n, pair in enumerate(found):
+        table.columns += [*(Column(name, True) for name in pair_names(pair)), Column("difference, %", True)]
+        for row in pairs.settlements(pair).itertuples():
+            by_cycle.setdefault(row.cycle, {})[n] = [
+                number(row.one_m, 3, MM),
+                number(row.other_m, 3, MM),
+                number(row.difference_ratio, 2, 100),
             ]
-            a, b = (run.cycles.set_index("cycle")["settlement_m"] for run in (one, other))
-            pairs += [
-                (f"settlement after {plural(cycle, 'cycle')}, mm", a.get(cycle), b.get(cycle)) for cycle in range(1, 6)
-            ]
-            for quantity, first, second in pairs:
-                if first is None or second is None:
-                    continue
-                table.rows.append(
-                    [
-                        short_name(one.scenario_name),
-                        what,
-                        one.id,
-                        other.id,
-                        quantity,
-                        number(first, 3, MM),
-                        number(second, 3, MM),
-                        number(second - first, 2, MM),
-                        number(200 * (second - first) / (first + second), 2) if first + second else "–",
-                    ]
-                )
-    return table if table.rows else None
+    for cycle, cells in sorted(by_cycle.items()):
+        name = f"after {plural(cycle, 'cycle')}" if cycle else "in preload"
+        table.rows.append([name, *(text for n in range(len(found)) for text in cells.get(n, ["–"] * 3))])
+    table.note = "Runs: " + "; ".join(f"{pair.one.id} and {pair.other.id}" for pair in found) + "."
+    return table
 
 
 def quantity_parts(book: Book, profile: str) -> list[dict]:

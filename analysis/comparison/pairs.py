@@ -1,0 +1,73 @@
+"""Pairs of runs that differ in one thing, and by how much their settlement then differs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from analysis.normalised.readers import Run
+from analysis.scenarios.schema import NO_PHYSICS
+
+SHARED_CYCLES = 5
+"""Later ones are not compared: rounding alone drives two runs of one bed apart."""
+
+
+def changed_keys(one: Run, other: Run) -> list[str]:
+    """Parameters in which two runs differ, but for those that only say how long a run goes on and what it writes."""
+    return [
+        key
+        for key in one.scenario.parameters
+        if key in other.scenario.parameters
+        and one.scenario[key] != other.scenario[key]
+        and not key.startswith(NO_PHYSICS)
+    ]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs from the very same packed bed; `differs` is `code` or `time.step`."""
+
+    differs: str
+    one: Run
+    other: Run
+
+
+def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
+    """All pairs from one bed that differ in the code alone or in the time step alone; the longer step comes first.
+
+    A bed is known by the checksum of its positions and orientations in stages.json.
+    """
+    runs = [run for run in runs if len(run.cycles) and run.scenario is not None]
+    runs.sort(key=lambda run: (run.scenario_name, -run.scenario["time.step"], run.code))
+    beds = [run.stages.get("packing", {}).get("bed_sha256") for run in runs]
+    found = []
+    for n, one in enumerate(runs):
+        for m, other in enumerate(runs[n + 1 :], start=n + 1):
+            if beds[n] is None or beds[n] != beds[m]:
+                continue
+            changed = [key for key in changed_keys(one, other) if not key.startswith("packing.")]  # the bed is the same
+            if one.code != other.code and not changed:
+                found.append(Pair("code", one, other))
+            elif one.code == other.code and changed == ["time.step"]:
+                found.append(Pair("time.step", one, other))
+    return found
+
+
+def settlements(pair: Pair) -> pd.DataFrame:
+    """Settlement of a pair, a row for preload (cycle 0, from its start) and one for each shared cycle (from its end).
+
+    Columns: cycle, one_m, other_m, difference_m, difference_ratio (over the mean of the two). Without a value in either
+    run there is no row.
+    """
+    rows = [(0, *(run.stages.get("preload", {}).get("settlement_m") for run in (pair.one, pair.other)))]
+    one, other = (run.cycles.set_index("cycle")["settlement_m"] for run in (pair.one, pair.other))
+    rows += [(cycle, one.get(cycle), other.get(cycle)) for cycle in range(1, SHARED_CYCLES + 1)]
+    table = pd.DataFrame(rows, columns=["cycle", "one_m", "other_m"])
+    table = table.astype({"one_m": float, "other_m": float}).dropna()
+    table["difference_m"] = table["other_m"] - table["one_m"]
+    mean = 0.5 * (table["one_m"] + table["other_m"])
+    table["difference_ratio"] = table["difference_m"] / mean.where(mean != 0, np.nan)
+    return table.reset_index(drop=True)

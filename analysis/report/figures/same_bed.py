@@ -1,0 +1,69 @@
+"""Runs from one packed bed: what the other code changes beside what a smaller time step changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from analysis.comparison.pairs import SHARED_CYCLES, Pair, settlements
+from analysis.normalised.readers import Run
+from analysis.report import style
+from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.names import MM
+from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, Canvas
+
+DIFFERENCE_NAMES = {"code": "the other code", "time.step": "half the time step"}
+
+
+def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str) -> Figure | None:
+    """Settlement of all runs of `found` (pairs from one bed), and the differences within each pair."""
+    runs = list({run.id: run for pair in found for run in (pair.one, pair.other)}.values())
+    return g.finish(
+        name,
+        "One bed: two codes, and two time steps",
+        f"Left: settlement since the end of preload in the first {SHARED_CYCLES} cycles. Right: difference of the two "
+        "runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked where "
+        "the line of the other code lies at or below that of the smaller time step.",
+        [_settlement(g, runs, name), _differences(g, found, name)],
+        runs,
+    )
+
+
+def _settlement(g: Gallery, runs: Sequence[Run], name: str) -> Canvas:
+    c = style.canvas(f"{name}-settlement", "Settlement of runs from one bed")
+    longest = max(run.scenario["time.step"] for run in runs)
+    frames = []
+    for run in runs:
+        colour, _ = g.look(runs[0].scenario_name)
+        look = dict(CODE_STYLES.get(run.code, OTHER_STYLE))
+        label = CODE_NAMES.get(run.code, run.code)
+        if run.scenario["time.step"] < longest:
+            look, label = OTHER_STYLE, f"{label} {1e6 * run.scenario['time.step']:g} µs"
+        rows = run.cycles[run.cycles["cycle"] <= SHARED_CYCLES]
+        x, y = [0, *rows["cycle"]], [0.0, *(MM * rows["settlement_m"])]
+        c.axes.plot(x, y, color=colour, markersize=4.5, markerfacecolor=PAPER if run.code == "yade" else colour, **look)
+        c.labels.append((x[-1], y[-1], label, colour))
+        frames.append(rows[["cycle", "settlement_m"]].assign(run=run.id))
+    c.axes.invert_yaxis()
+    c.axes.set(xlabel="load cycle", ylabel="settlement at minimum load, mm")
+    c.table = pd.concat(frames, ignore_index=True)
+    return c
+
+
+def _differences(g: Gallery, found: Sequence[Pair], name: str) -> Canvas:
+    c = style.canvas(f"{name}-differences", "Difference of settlement within each pair")
+    frames = []
+    for pair, marker in zip(found, ("s", "D", "o", "^") * len(found)):
+        colour = style.shade("nonlinear") if pair.differs == "code" else style.shade("md1")
+        table = settlements(pair)
+        y = 100 * table["difference_ratio"].abs()
+        c.axes.plot(table["cycle"], y, marker=marker, markersize=5, color=colour)
+        if len(table):
+            c.labels.append((table["cycle"].iloc[-1], y.iloc[-1], DIFFERENCE_NAMES[pair.differs], colour))
+        frames.append(table.assign(differs=pair.differs, one=pair.one.id, other=pair.other.id))
+    c.axes.set_ylim(bottom=0)
+    c.axes.set_xticks(range(SHARED_CYCLES + 1), ["preload", *map(str, range(1, SHARED_CYCLES + 1))])
+    c.axes.set(xlabel="load cycle", ylabel="difference of settlement, %")
+    c.table = pd.concat(frames, ignore_index=True)
+    return c
