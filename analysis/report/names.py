@@ -20,6 +20,12 @@ SOURCE_NAMES = {
 }
 
 
+def basis_of(scenario: str) -> str:
+    """The scenario of which one assumption is changed, or the scenario itself."""
+    varied = SENSITIVITY.fullmatch(scenario)
+    return varied[1] if varied else scenario
+
+
 def short_name(scenario: str) -> str:
     """`linear-mu0.8` as a reader of the paper writes it: linear μ 0.8."""
     if varied := SENSITIVITY.fullmatch(scenario):

@@ -16,12 +16,12 @@ from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, C
 DIFFERENCE_NAMES = {"code": "the other code", "time.step": "half the time step"}
 
 
-def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str) -> Figure | None:
+def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str, title: str) -> Figure | None:
     """Settlement of all runs of `found` (pairs from one bed), and the differences within each pair."""
     runs = list({run.id: run for pair in found for run in (pair.one, pair.other)}.values())
     return g.finish(
         name,
-        "One bed: two codes, and two time steps",
+        f"One bed, {title}: two codes, and two time steps",
         f"Left: settlement since the end of preload in the first {SHARED_CYCLES} cycles. Right: difference of the two "
         "runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked where "
         "the line of the other code lies at or below that of the smaller time step.",

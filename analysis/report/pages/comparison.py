@@ -20,7 +20,7 @@ from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.figures.same_bed import same_bed_figure
-from analysis.report.names import MM, short_name
+from analysis.report.names import MM, basis_of, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.report.words import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
 
@@ -280,17 +280,20 @@ def rates_table(book: Book, profile: str) -> Table | None:
 
 
 def same_bed_parts(book: Book, profile: str) -> list[dict]:
-    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed."""
+    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed and
+    contact model.
+    """
     runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile]
-    beds: dict[str, list[pairs.Pair]] = {}
+    groups: dict[tuple[str, str], list[pairs.Pair]] = {}
     for pair in pairs.same_bed_pairs(runs):
-        beds.setdefault(pair.one.stages["packing"]["bed_sha256"], []).append(pair)
+        key = (basis_of(pair.one.scenario_name), pair.one.stages["packing"]["bed_sha256"])
+        groups.setdefault(key, []).append(pair)
     parts = [
         {
-            "table": same_bed_table(found),
-            "figure": same_bed_figure(book.gallery, found, f"same-bed-{profile}" + (f"-{n}" if n > 1 else "")),
+            "table": same_bed_table(found, short_name(basis)),
+            "figure": same_bed_figure(book.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis)),
         }
-        for n, found in enumerate(beds.values(), start=1)
+        for (basis, bed), found in groups.items()
     ]
     missing = {
         "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE, "
@@ -315,9 +318,9 @@ def pair_names(pair: pairs.Pair) -> tuple[str, str]:
     )
 
 
-def same_bed_table(found: Sequence[pairs.Pair]) -> Table:
+def same_bed_table(found: Sequence[pairs.Pair], title: str) -> Table:
     """Settlement of pairs from one bed, a row per cycle, the pairs beside each other."""
-    table = Table("Settlement from the same bed, mm", [Column("settlement")])
+    table = Table(f"Settlement from the same bed, mm: {title}", [Column("settlement")])
     by_cycle: dict[int, dict[int, list[str]]] = {}
     for n, pair in enumerate(found):
         table.columns += [*(Column(name, True) for name in pair_names(pair)), Column("difference, %", True)]
