@@ -279,21 +279,26 @@ def rates_table(book: Book, profile: str) -> Table | None:
     return table
 
 
-def same_bed_parts(book: Book, profile: str) -> list[dict]:
-    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed and
-    contact model.
-    """
+def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[pairs.Pair]]:
+    """Pairs of runs from one bed, by the scenario they stand for and the checksum of the bed."""
     runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile]
     groups: dict[tuple[str, str], list[pairs.Pair]] = {}
     for pair in pairs.same_bed_pairs(runs):
         key = (basis_of(pair.one.scenario_name), pair.one.stages["packing"]["bed_sha256"])
         groups.setdefault(key, []).append(pair)
+    return groups
+
+
+def same_bed_parts(book: Book, profile: str) -> list[dict]:
+    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed and
+    contact model.
+    """
     parts = [
         {
             "table": same_bed_table(found, short_name(basis)),
             "figure": same_bed_figure(book.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis)),
         }
-        for (basis, bed), found in groups.items()
+        for (basis, bed), found in same_bed_groups(book, profile).items()
     ]
     missing = {
         "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE, "

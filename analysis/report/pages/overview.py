@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from analysis.comparison import compare, evidence, quantities
+from analysis.comparison import compare, evidence, pairs, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
@@ -25,7 +25,7 @@ from analysis.report.figures.load import tracking_figure
 from analysis.report.figures.porosity import porosity_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.names import MM, SOURCE_NAMES, short_name
-from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table
+from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table, same_bed_groups
 from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
 from analysis.report.words import GRAVITY, number, plural
@@ -153,6 +153,7 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(
                 f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
             )
+        lines += same_bed(book, profile)
         lines += settling(overview_runs(book, profile)[0])
         if profile == "full":
             lines += packed_beds(runs)
@@ -193,6 +194,27 @@ def in_hand(book: Book) -> list[str]:
             for r in scores.sort_values("points").groupby(["scenario", "code"], sort=True).tail(1).itertuples()
         ]
         lines.append(f"Settlement differs from them by (rms over the shared cycles): {', '.join(texts)}; see Figures.")
+    return lines
+
+
+def same_bed(book: Book, profile: str) -> list[str]:
+    """How closely the codes agree from one bed, beside two time steps of one code."""
+    lines = []
+    for (basis, _), found in same_bed_groups(book, profile).items():
+        spans = {}
+        for pair in found:
+            ratios = 100 * pairs.settlements(pair)["difference_ratio"].abs()
+            spans.setdefault(pair.differs, []).extend(ratios.dropna())
+        texts = [
+            f"by {number(min(spans[key]), 2)} to {number(max(spans[key]), 2)} % {what}"
+            for key, what in (("code", "between the codes"), ("time.step", "between the time step and half of it"))
+            if spans.get(key)
+        ]
+        if texts:
+            lines.append(
+                f"{short_name(basis)} from one and the same bed: settlement in preload and in the first cycles (up to "
+                f"{pairs.SHARED_CYCLES}) differs {', '.join(texts)}."
+            )
     return lines
 
 
