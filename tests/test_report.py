@@ -278,12 +278,13 @@ def test_longest_of_equal_runs_is_drawn_and_the_other_named(tmp_path):
     assert list(chosen) == [long] and [run for run, _ in left_out] == [short]
 
 
-def test_runs_from_one_bed_stand_side_by_side_by_code_and_by_time_step(tmp_path):
+def test_runs_from_one_bed_stand_side_by_side_by_code_time_step_and_ranks(tmp_path):
     given = {"bed": "results/x/bed_packed.csv"}
     folders = [
         write_run(tmp_path, "demo", "linear-mu0.8", "liggghts", cycles=3),
         write_run(tmp_path / "same", "demo", "linear-mu0.8", "yade", cycles=3, info=given),
         write_run(tmp_path / "half", "demo", "linear-mu0.8", "liggghts", cycles=3, info=given),
+        write_run(tmp_path / "ranks", "demo", "linear-mu0.8-same-bed", "liggghts", cycles=3, info={"ranks": 2}),
     ]
     law = load_scenario("linear-mu0.8", "demo", cycles=3)
     (folders[2] / "scenario.json").write_text(law.replace("time.step", law["time.step"] / 2).to_json())
@@ -297,6 +298,7 @@ def test_runs_from_one_bed_stand_side_by_side_by_code_and_by_time_step(tmp_path)
     assert [(pair.differs, pair.other.id) for pair in found] == [
         ("code", "same/demo/linear-mu0.8/yade"),
         ("time.step", "half/demo/linear-mu0.8/liggghts"),
+        ("ranks", "ranks/demo/linear-mu0.8-same-bed/liggghts"),
     ]
     table = settlements(found[0])
     assert table["cycle"].tolist() == [0, 1, 2, 3]

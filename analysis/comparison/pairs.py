@@ -26,9 +26,14 @@ def changed_keys(one: Run, other: Run) -> list[str]:
     ]
 
 
+def ranks(run: Run) -> int:
+    """MPI ranks or threads of a run; one where run.json does not say."""
+    return max(run.info.get("ranks", 1), run.info.get("threads", 1))
+
+
 @dataclass(frozen=True)
 class Pair:
-    """Two runs from the very same packed bed; `differs` is `code` or `time.step`."""
+    """Two runs from the very same packed bed; `differs` is `code`, `time.step` or `ranks`."""
 
     differs: str
     one: Run
@@ -36,23 +41,23 @@ class Pair:
 
 
 def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
-    """All pairs from one bed that differ in the code alone or in the time step alone; the longer step comes first.
+    """All pairs from one bed that differ in the code alone, in the time step alone (the longer one comes first), or in
+    the number of ranks alone (fewer come first): another order of sums, so another rounding, and nothing else.
 
     A bed is known by the checksum of its positions and orientations in stages.json.
     """
     runs = [run for run in runs if len(run.cycles) and run.scenario is not None]
-    runs.sort(key=lambda run: (run.scenario_name, -run.scenario["time.step"], run.code))
+    runs.sort(key=lambda run: (ranks(run), run.scenario_name, -run.scenario["time.step"], run.code))
     beds = [run.stages.get("packing", {}).get("bed_sha256") for run in runs]
     found = []
     for n, one in enumerate(runs):
         for m, other in enumerate(runs[n + 1 :], start=n + 1):
             if beds[n] is None or beds[n] != beds[m]:
                 continue
-            changed = [key for key in changed_keys(one, other) if not key.startswith("packing.")]  # the bed is the same
-            if one.code != other.code and not changed:
-                found.append(Pair("code", one, other))
-            elif one.code == other.code and changed == ["time.step"]:
-                found.append(Pair("time.step", one, other))
+            differs = [key for key in changed_keys(one, other) if not key.startswith("packing.")]  # the bed is the same
+            differs += ["code"] * (one.code != other.code) + ["ranks"] * (ranks(one) != ranks(other))
+            if len(differs) == 1 and differs[0] in ("code", "time.step", "ranks"):
+                found.append(Pair(differs[0], one, other))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Runs from one packed bed: what the other code changes beside what a smaller time step changes."""
+"""Runs from one packed bed: what the other code changes beside what a smaller time step, or rounding alone, changes."""
 
 from __future__ import annotations
 
@@ -6,14 +6,18 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from analysis.comparison.pairs import SHARED_CYCLES, Pair, settlements
+from analysis.comparison.pairs import SHARED_CYCLES, Pair, ranks, settlements
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.figures.gallery import Figure, Gallery
 from analysis.report.names import MM
 from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, Canvas
 
-DIFFERENCE_NAMES = {"code": "the other code", "time.step": "half the time step"}
+DIFFERENCES = {  # name, hue, marker
+    "code": ("the other code", "nonlinear", "s"),
+    "time.step": ("half the time step", "md1", "D"),
+    "ranks": ("rounding alone", "other", "o"),
+}
 
 
 def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str, title: str) -> Figure | None:
@@ -21,10 +25,11 @@ def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str, title: str) ->
     runs = list({run.id: run for pair in found for run in (pair.one, pair.other)}.values())
     return g.finish(
         name,
-        f"One bed, {title}: two codes, and two time steps",
+        f"One bed, {title}: two codes, two time steps, rounding",
         f"Left: settlement since the end of preload in the first {SHARED_CYCLES} cycles. Right: difference of the two "
         "runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked where "
-        "the line of the other code lies at or below that of the smaller time step.",
+        "the line of the other code lies no higher than that of the smaller time step; rounding alone (another number "
+        "of ranks) is the floor.",
         [_settlement(g, runs, name), _differences(g, found, name)],
         runs,
     )
@@ -36,10 +41,11 @@ def _settlement(g: Gallery, runs: Sequence[Run], name: str) -> Canvas:
     frames = []
     for run in runs:
         colour, _ = g.look(runs[0].scenario_name)
-        look = dict(CODE_STYLES.get(run.code, OTHER_STYLE))
-        label = CODE_NAMES.get(run.code, run.code)
+        look, label = CODE_STYLES.get(run.code, OTHER_STYLE), CODE_NAMES.get(run.code, run.code)
         if run.scenario["time.step"] < longest:
             look, label = OTHER_STYLE, f"{label} {1e6 * run.scenario['time.step']:g} µs"
+        if ranks(run) > 1:
+            look, label = OTHER_STYLE | {"marker": "^"}, f"{label} {ranks(run)} ranks"
         rows = run.cycles[run.cycles["cycle"] <= SHARED_CYCLES]
         x, y = [0, *rows["cycle"]], [0.0, *(MM * rows["settlement_m"])]
         c.axes.plot(x, y, color=colour, markersize=4.5, markerfacecolor=PAPER if run.code == "yade" else colour, **look)
@@ -54,13 +60,13 @@ def _settlement(g: Gallery, runs: Sequence[Run], name: str) -> Canvas:
 def _differences(g: Gallery, found: Sequence[Pair], name: str) -> Canvas:
     c = style.canvas(f"{name}-differences", "Difference of settlement within each pair")
     frames = []
-    for pair, marker in zip(found, ("s", "D", "o", "^") * len(found)):
-        colour = style.shade("nonlinear") if pair.differs == "code" else style.shade("md1")
-        table = settlements(pair)
+    for pair in found:
+        (label, hue, marker), table = DIFFERENCES[pair.differs], settlements(pair)
+        colour = style.shade(hue)
         y = 100 * table["difference_ratio"].abs()
         c.axes.plot(table["cycle"], y, marker=marker, markersize=5, color=colour)
         if len(table):
-            c.labels.append((table["cycle"].iloc[-1], y.iloc[-1], DIFFERENCE_NAMES[pair.differs], colour))
+            c.labels.append((table["cycle"].iloc[-1], y.iloc[-1], label, colour))
         frames.append(table.assign(differs=pair.differs, one=pair.one.id, other=pair.other.id))
     c.axes.set_ylim(bottom=0)
     c.axes.set_xticks(range(SHARED_CYCLES + 1), ["preload", *map(str, range(1, SHARED_CYCLES + 1))])

@@ -290,7 +290,7 @@ def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[pair
 
 
 def same_bed_parts(book: Book, profile: str) -> list[dict]:
-    """Runs from one bed that differ in the code alone, or in the time step alone, side by side: one part per bed and
+    """Runs from one bed that differ in one thing alone (code, time step, ranks), side by side: one part per bed and
     contact model.
     """
     parts = [
@@ -301,26 +301,27 @@ def same_bed_parts(book: Book, profile: str) -> list[dict]:
         for (basis, bed), found in same_bed_groups(book, profile).items()
     ]
     missing = {
-        "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE, "
-        "or any runs of one scenario from one bed (BED=…)."
+        "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE "
+        "(and in LIGGGHTS with NP=2 for the rounding), or any runs of one scenario from one bed (BED=…)."
     }
     parts = parts or [missing]
     parts[0] |= {
-        "heading": "The same bed: two codes, and two time steps",
-        "text": "Both codes, or one code with two time steps, from the very same packed bed: what the codes differ by "
-        "is to be read against what a smaller time step changes.",
+        "heading": "The same bed: two codes, two time steps, and rounding alone",
+        "text": "Both codes, or one code with two time steps or two numbers of ranks, from the very same packed bed. "
+        "What the codes differ by is to be read against what a smaller time step changes, and that against what "
+        "another order of sums alone changes: a packed bed is chaotic, and no two runs can agree more closely.",
     }
     return parts
 
 
 def pair_names(pair: pairs.Pair) -> tuple[str, str]:
-    """What tells the two runs of a pair apart: their codes, or their time steps."""
-    if pair.differs == "code":
-        return tuple(CODE_NAMES.get(run.code, run.code) for run in (pair.one, pair.other))
-    return tuple(
-        f"{CODE_NAMES.get(run.code, run.code)} {shown(1e6 * run.scenario['time.step'])} µs"
-        for run in (pair.one, pair.other)
-    )
+    """What tells the two runs of a pair apart: their codes, time steps or ranks."""
+    what = {
+        "code": lambda run: "",
+        "time.step": lambda run: f" {shown(1e6 * run.scenario['time.step'])} µs",
+        "ranks": lambda run: f" {plural(pairs.ranks(run), 'rank')}",
+    }[pair.differs]
+    return tuple(CODE_NAMES.get(run.code, run.code) + what(run) for run in (pair.one, pair.other))
 
 
 def same_bed_table(found: Sequence[pairs.Pair], title: str) -> Table:

@@ -207,7 +207,11 @@ def same_bed(book: Book, profile: str) -> list[str]:
             spans.setdefault(pair.differs, []).extend(ratios.dropna())
         texts = [
             f"by {number(min(spans[key]), 2)} to {number(max(spans[key]), 2)} % {what}"
-            for key, what in (("code", "between the codes"), ("time.step", "between the time step and half of it"))
+            for key, what in (
+                ("code", "between the codes"),
+                ("time.step", "between the time step and half of it"),
+                ("ranks", "by rounding alone"),
+            )
             if spans.get(key)
         ]
         if texts:
