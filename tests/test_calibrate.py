@@ -1,11 +1,13 @@
 """The calibration of the packing: which beds it tries, and what it reads from them."""
 
+import argparse
 import math
 
 import pytest
 from synthetic import write_run
 
 from analysis.driver import calibrate
+from analysis.driver.supervise import StopRequest
 from analysis.files import write_csv
 from analysis.normalised.readers import Run, load_runs
 from analysis.scenarios import lattice
@@ -80,3 +82,12 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
     assert code == 1 and table["state"].tolist() == ["finished", "finished", "failed", "failed"]
     assert table["scenario"].tolist() == ["linear-mu0.8", "nonlinear-en1.0"] * 2
     assert (table["settlement_m"] > 0).all() and table["aspect"].tolist() == [1.8, 1.8, 2, 2]
+
+
+def test_a_bed_that_failed_is_not_tried_again(tmp_path, capsys):
+    scenario = load_scenario("linear-mu0.8", "demo", cycles=3)
+    where = tmp_path / f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
+    write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1, info={"state": "failed", "reason": "loads not met"})
+    options = argparse.Namespace(results=tmp_path, code="liggghts", seed=1, progress="lines")
+    result = calibrate.load(scenario, options, StopRequest())
+    assert len(result.cycles) == 1 and "loads not met" in capsys.readouterr().err

@@ -58,9 +58,16 @@ def choices(scenario: Scenario, gaps_m: Sequence[float], aspects: Sequence[float
 
 
 def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> Result:
-    """Run `scenario`, or what is missing of it, and read it back, also where it failed: its state says so."""
+    """Run `scenario`, or what is missing of it, and read it back, also where it failed: its state says so.
+
+    A bed that failed before is not tried again: on one core it would fail again.
+    """
     folder = f"{CALIBRATION}/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
     run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
+    before = record.read(run.folder) or {}
+    if before.get("state") == "failed":
+        print(f"calibrate: failed before ({before.get('reason')}); to try it again, delete {run.folder}", file=sys.stderr)
+        return Result(run.folder)
     try:
         run.go()
     except RunError as error:
