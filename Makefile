@@ -77,8 +77,8 @@ mutations: setup ## wrong laws that the verification must notice: which case cat
 sanitize: setup ## the verification of LIGGGHTS with address and undefined-behaviour checks
 	@$(MAKE) --no-print-directory -C liggghts sanitize
 	@$(ANALYSIS) verify --code liggghts --host liggghts/build/ballast-sanitize --out report/sanitize
-calibrate: setup ## clumps and porosity over the lattice gap (hours)
-	@$(ANALYSIS) calibrate
+calibrate: setup ## clumps, porosity and settlement over lattice gaps and clump aspects (hours)
+	@$(ANALYSIS) calibrate --results $(RESULTS)
 bench: setup ## steps per second of both codes, one after the other
 	@$(ANALYSIS) bench --profile $(PROFILE) --ranks $(NP) --results $(RESULTS)
 

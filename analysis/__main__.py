@@ -14,7 +14,7 @@ COMMANDS = {  # name: module, purpose
     "mutations": ("verification.mutations", "wrong laws that the verification must notice"),
     "reference": ("reference.check", "the reference curves and their state"),
     "view": ("report.pictures.view", "pictures of a bed, and files for ParaView"),
-    "calibrate": ("driver.calibrate", "tune the lattice gap to the paper's number of clumps"),
+    "calibrate": ("driver.calibrate", "clumps, porosity and settlement over lattice gaps and clump aspects"),
     "bench": ("driver.bench", "steps per second of both codes"),
 }
 
