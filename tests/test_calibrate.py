@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import shutil
 
 import pytest
 from synthetic import write_run
@@ -84,10 +85,17 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
     assert (table["settlement_m"] > 0).all() and table["aspect"].tolist() == [1.8, 1.8, 2, 2]
 
 
-def test_a_bed_that_failed_is_not_tried_again(tmp_path, capsys):
+def test_a_bed_that_failed_is_not_tried_again_but_its_packing_is_known(tmp_path, capsys):
     scenario = load_scenario("linear-mu0.8", "demo", cycles=3)
     where = tmp_path / f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
-    write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1, info={"state": "failed", "reason": "loads not met"})
+    reason = {"state": "failed", "reason": "loads not met"}
+    folder = write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1, info=reason)
+    (folder / "stages.json").unlink()
+    (folder / "raw").mkdir(exist_ok=True)
+    shutil.copy(folder / "bed_before.csv", folder / "raw" / "bed_packed.csv")
     options = argparse.Namespace(results=tmp_path, code="liggghts", seed=1, progress="lines")
     result = calibrate.load(scenario, options, StopRequest())
-    assert len(result.cycles) == 1 and "loads not met" in capsys.readouterr().err
+    row = calibrate.row(scenario, result)
+    assert "loads not met" in capsys.readouterr().err and row["state"] == "failed"
+    assert row["clumps"] == len(result.bed("before")) and 0 < row["porosity_mean"] < 1
+    assert math.isnan(row["preload_settlement_m"])

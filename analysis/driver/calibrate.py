@@ -23,6 +23,8 @@ from analysis.driver import record
 from analysis.driver.engines import CODES, versions
 from analysis.driver.run import Run
 from analysis.driver.supervise import Interrupted, RunError, StopRequest
+from analysis.normalised import stages
+from analysis.normalised.porosity import MeasurementSpheres
 from analysis.normalised.readers import CALIBRATION
 from analysis.normalised.readers import Run as Result
 from analysis.scenarios import lattice
@@ -30,7 +32,7 @@ from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
 
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Section 2 and Table 1
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
-ASPECTS = (1.7, 1.75, 1.8, 1.875)
+ASPECTS = (1.5, 1.7, 1.75, 1.8, 1.875)
 TABLE = files.ROOT / "reference_data" / "runs" / "calibration.csv"
 STAGE_COLUMNS = {
     "packing": ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number",
@@ -61,18 +63,21 @@ def choices(scenario: Scenario, gaps_m: Sequence[float], aspects: Sequence[float
 def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> Result:
     """Run `scenario`, or what is missing of it, and read it back, also where it failed: its state says so.
 
-    A bed that failed before is not tried again: on one core it would fail again.
+    A bed that failed before is not tried again: on one core it would fail again. What it was packed to is known all the
+    same.
     """
     folder = f"{CALIBRATION}/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
     run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
     before = record.read(run.folder) or {}
     if before.get("state") == "failed":
         print(f"calibrate: failed before ({before.get('reason')}); to try it again, delete {run.folder}", file=sys.stderr)
-        return Result(run.folder)
-    try:
-        run.go()
-    except RunError as error:
-        print(error, file=sys.stderr)
+    else:
+        try:
+            run.go()
+        except RunError as error:
+            print(error, file=sys.stderr)
+    if run.bed_file.exists() and not (run.folder / stages.FILE).exists():
+        stages.write_stages(run.folder, scenario, {}, MeasurementSpheres(scenario))
     return Result(run.folder)
 
 
@@ -99,8 +104,8 @@ def shortened(value):
 
 def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
     """What a calibration compares, of one run; values that a failed or unfinished run lacks are nan."""
-    stages = result.stages
-    clumps = stages.get("packing", {}).get("clumps", float("nan"))
+    found = result.stages
+    clumps = found.get("packing", {}).get("clumps", float("nan"))
     values = {
         "scenario": result.scenario_name,
         "code": result.code,
@@ -112,7 +117,7 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
     }
     for stage, names in STAGE_COLUMNS.items():
         for name in names:
-            values[name if stage == "packing" else f"{stage}_{name}"] = stages.get(stage, {}).get(name, float("nan"))
+            values[name if stage == "packing" else f"{stage}_{name}"] = found.get(stage, {}).get(name, float("nan"))
     last = result.cycles.iloc[-1] if len(result.cycles) else {}
     values["cycles"] = len(result.cycles)
     for name in ("settlement_m", "settlement_peak_m", "lateral_3_m"):
