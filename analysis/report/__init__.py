@@ -2,5 +2,5 @@
 `pictures` renders beds (also for `make view`), `templates` holds the HTML.
 
 The end of the flow: nothing imports it, and of the verification it reads the files alone. Imports from this package:
-`comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`,
-`analysis.arguments` and `analysis.files`."""
+`comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`, `analysis.arguments`
+and `analysis.files`."""
