@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import compare, quantities
-from analysis.comparison.pairs import changed_keys
+from analysis.comparison.pairs import changed_keys, ranks
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import calibrate
 from analysis.normalised import tables
@@ -243,7 +243,7 @@ def derived_table(s: Scenario) -> Table:
 
 
 def sensitivity(book: Book) -> tuple[Table, str]:
-    """Pairs of runs of one code, profile and seed that differ in a single assumed or calibrated parameter."""
+    """Pairs of runs of one code, profile, seed and rank count that differ in one assumed or calibrated parameter."""
     table = Table(
         "Runs that differ in one assumed or calibrated parameter only, after the last cycle they share",
         [
@@ -261,7 +261,7 @@ def sensitivity(book: Book) -> tuple[Table, str]:
     runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None]
     for n, run in enumerate(runs):
         for other in runs[n + 1 :]:
-            if (run.profile, run.code, run.seed) != (other.profile, other.code, other.seed):
+            if (run.profile, run.code, run.seed, ranks(run)) != (other.profile, other.code, other.seed, ranks(other)):
                 continue
             keys = changed_keys(run, other)
             if len(keys) != 1 or not {
