@@ -14,5 +14,6 @@ def __getattr__(name: str):
     # Late, because YADE's Python imports analysis.scenarios and has no pandas.
     if name == "load_runs":
         from analysis.normalised.readers import load_runs
+
         return load_runs
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -22,6 +22,7 @@ limit / coefficient at peak overlap = sqrt(2.4 / (D - ln(1 + D)))."""
 
 # ------------------------------------------------------------------ linear model, eq. 1-7
 
+
 def linear_normal_force(overlap: float, normal_stiffness: float) -> float:
     """Eq. 1, N: compression only."""
     return normal_stiffness * overlap if overlap > 0 else 0.0
@@ -60,6 +61,7 @@ def effective_mass(mass_1: float, mass_2: float = math.inf) -> float:
 
 # ------------------------------------------------------------------ hysteretic model, eq. 8-16
 
+
 def effective_radius(radius_1: float, radius_2: float = math.inf) -> float:
     """Eq. 9, m; `radius_2` infinite against a plane."""
     return 2 / (1 / radius_1 + 1 / radius_2)
@@ -80,8 +82,9 @@ def mindlin_shear_stiffness(overlap: float, shear_modulus: float, poisson_ratio:
     return 2 * shear_modulus * math.sqrt(2 * overlap * radius) / (2 - poisson_ratio) if overlap > 0 else 0.0
 
 
-def hysteretic_dashpot_coefficient(factor: float, elastic_force: float, approach_speed: float,
-                                   overlap: float, mass: float) -> tuple[float, bool]:
+def hysteretic_dashpot_coefficient(
+    factor: float, elastic_force: float, approach_speed: float, overlap: float, mass: float
+) -> tuple[float, bool]:
     """Eq. 14-15 as a coefficient D F_h / v_n0 (N s/m), and whether it is at its limit.
 
     The limit is our rule, assumed: critical damping 2 sqrt(m k_t) with the tangent stiffness k_t = 1.5 F_h / overlap,
@@ -119,6 +122,7 @@ def damping_factor(mode: int, restitution: float) -> float:
 
 
 # ------------------------------------------------------------------ what a free impact does
+
 
 def dashpot_restitution(damping_ratio: float) -> float:
     """Restitution of a free impact with the linear spring and dashpot (Kawaguchi): exp(-pi beta / sqrt(1 - beta^2))."""
@@ -179,8 +183,12 @@ def linear_impact(mass: float, normal_stiffness: float, damping_ratio: float, sp
     decay = damping_ratio * omega / damped
     force_phase = 3 * phase - math.pi
     force = math.exp(-decay * force_phase) if force_phase > 0 else 2 * damping_ratio
-    return {"peak_overlap_m": speed / omega * math.exp(-decay * phase), "peak_force_N": mass * speed * omega * force,
-            "duration_s": math.pi / damped, "restitution": dashpot_restitution(damping_ratio)}
+    return {
+        "peak_overlap_m": speed / omega * math.exp(-decay * phase),
+        "peak_force_N": mass * speed * omega * force,
+        "duration_s": math.pi / damped,
+        "restitution": dashpot_restitution(damping_ratio),
+    }
 
 
 def hysteretic_peak_overlap(mass: float, coefficient: float, factor: float, speed: float) -> float:
@@ -195,12 +203,17 @@ def hysteretic_peak_overlap(mass: float, coefficient: float, factor: float, spee
 def hertz_impact(mass: float, coefficient: float, speed: float) -> dict[str, float]:
     """Head-on elastic Hertz impact: peak_overlap_m, peak_force_N, duration_s, restitution."""
     peak = hysteretic_peak_overlap(mass, coefficient, 0.0, speed)
-    return {"peak_overlap_m": peak, "peak_force_N": coefficient * peak**1.5,
-            "duration_s": HERTZ_DURATION * peak / speed, "restitution": 1.0}
+    return {
+        "peak_overlap_m": peak,
+        "peak_force_N": coefficient * peak**1.5,
+        "duration_s": HERTZ_DURATION * peak / speed,
+        "restitution": 1.0,
+    }
 
 
-def equivalent_material(shear_modulus_1: float, poisson_ratio_1: float,
-                        shear_modulus_2: float, poisson_ratio_2: float) -> tuple[float, float]:
+def equivalent_material(
+    shear_modulus_1: float, poisson_ratio_1: float, shear_modulus_2: float, poisson_ratio_2: float
+) -> tuple[float, float]:
     """Shear modulus (Pa) and Poisson's ratio that give eq. 8 and 11 the stiffness of two different materials.
 
     A rigid body has an infinite shear modulus. From 1/E* = sum (1 - nu)/(2 G) and 1/G* = sum (2 - nu)/G, which for

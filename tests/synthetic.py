@@ -188,10 +188,16 @@ def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> No
 
 def _write_stages(folder, bed, porosity) -> None:
     packed = {"clumps": len(bed), "porosity_mean": float(np.mean(porosity)), "coordination_number": 6.0}
-    packed |= {"overlap_mean_m": 1e-7, "overlap_max_ratio": 1e-4, "bed_sha256": hashlib.sha256(bed.to_csv().encode()).hexdigest()}
+    packed |= {
+        "overlap_mean_m": 1e-7,
+        "overlap_max_ratio": 1e-4,
+        "bed_sha256": hashlib.sha256(bed.to_csv().encode()).hexdigest(),
+    }
     moved = {"settlement_m": 4e-4} | {f"lateral_{k}_m": -1e-4 for k in tables.PLATES}
     porosities = {f"porosity_{k}": value for k, value in zip(tables.SPHERES, porosity)}
-    (folder / "stages.json").write_text(json.dumps({"packing": packed, "preload": packed | porosities | moved}, indent=1))
+    (folder / "stages.json").write_text(
+        json.dumps({"packing": packed, "preload": packed | porosities | moved}, indent=1)
+    )
 
 
 def _write_contacts(path, bed, generator, count=2000) -> None:

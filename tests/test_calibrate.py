@@ -59,8 +59,14 @@ def test_the_table_is_read_as_it_was_written(tmp_path):
     assert list(table.columns) == list(calibrate.COLUMNS) and len(table) == 1
 
 
-@pytest.mark.parametrize("text, says", [("", "column scenario is missing"), ("a,b\n1,2,3\n", "is missing"),
-                                        (",".join(calibrate.COLUMNS) + "\n", "has no row")])
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("", "column scenario is missing"),
+        ("a,b\n1,2,3\n", "is missing"),
+        (",".join(calibrate.COLUMNS) + "\n", "has no row"),
+    ],
+)
 def test_a_damaged_table_is_refused_in_a_line_with_the_remedy(tmp_path, text, says):
     (tmp_path / "calibration.csv").write_text(text)
     with pytest.raises(ValueError, match=says) as refused:
@@ -71,8 +77,14 @@ def test_a_damaged_table_is_refused_in_a_line_with_the_remedy(tmp_path, text, sa
 def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, monkeypatch, capsys):
     def tried(scenario, options, stop):
         state = "failed" if scenario["clump.aspect"] == 2 else "finished"
-        folder = write_run(tmp_path / f"{scenario['clump.aspect']}", "demo", scenario.name, "liggghts", cycles=3,
-                           info={"state": state, "reason": "not at rest" if state == "failed" else ""})
+        folder = write_run(
+            tmp_path / f"{scenario['clump.aspect']}",
+            "demo",
+            scenario.name,
+            "liggghts",
+            cycles=3,
+            info={"state": state, "reason": "not at rest" if state == "failed" else ""},
+        )
         return Run(folder)
 
     monkeypatch.setattr(calibrate, "load", tried)

@@ -22,9 +22,9 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario, scenario_names
 
 CLAIMS_FILE = REFERENCE_FOLDER / "claims.toml"
-DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])      # plates 1 (bottom) to 5
+DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])  # plates 1 (bottom) to 5
 SHAPE = np.array([0.5, 0.8, 1.0, 0.9, 0.6])
-LINE, START = (2e-3, 0, 1, 4e-6), (1e-3, 6e-3, 15, 2e-6)   # a, b, c, d of a + b (1 - exp(-N/c)) + d N
+LINE, START = (2e-3, 0, 1, 4e-6), (1e-3, 6e-3, 15, 2e-6)  # a, b, c, d of a + b (1 - exp(-N/c)) + d N
 
 
 @cache
@@ -32,9 +32,22 @@ def resolved(name):
     return load_scenario(name)
 
 
-def make_run(scenario, seed=1, cycles=1000, code="liggghts", profile="full", law=START, lateral=5e-3, first=None,
-             start=(0.345, 0.350, 0.360), end=(0.335, 0.345, 0.370), speed=350.0, host="one", deviations=(),
-             scatter=0.01):
+def make_run(
+    scenario,
+    seed=1,
+    cycles=1000,
+    code="liggghts",
+    profile="full",
+    law=START,
+    lateral=5e-3,
+    first=None,
+    start=(0.345, 0.350, 0.360),
+    end=(0.335, 0.345, 0.370),
+    speed=350.0,
+    host="one",
+    deviations=(),
+    scatter=0.01,
+):
     """A run with settlement a + b (1 - exp(-N/c)) + d N and lateral displacement `first` (m) growing to `lateral`."""
     rng = np.random.default_rng([seed, sum(map(ord, scenario))])
     factor = 1 + scatter * rng.standard_normal()
@@ -50,11 +63,26 @@ def make_run(scenario, seed=1, cycles=1000, code="liggghts", profile="full", law
     for k in range(3):
         table[f"porosity_{k + 1}"] = start[k] + offset + (end[k] - start[k]) * n / cycles
     before = pd.DataFrame({"cycle": [0], **{f"porosity_{k + 1}": [start[k] + offset] for k in range(3)}})
-    info = {"state": "finished", "steps_per_second": {"cyclic": speed}, "host": host, "ranks": 1, "threads": 1,
-            "deviations": list(deviations)}
+    info = {
+        "state": "finished",
+        "steps_per_second": {"cyclic": speed},
+        "host": host,
+        "ranks": 1,
+        "threads": 1,
+        "deviations": list(deviations),
+    }
     name = code if seed == 1 else f"{code}-seed{seed}"
-    return SimpleNamespace(id=f"{profile}/{scenario}/{name}", code=code, profile=profile, scenario_name=scenario,
-                           seed=seed, info=info, cycles=table, microstructure=before, scenario=resolved(scenario))
+    return SimpleNamespace(
+        id=f"{profile}/{scenario}/{name}",
+        code=code,
+        profile=profile,
+        scenario_name=scenario,
+        seed=seed,
+        info=info,
+        cycles=table,
+        microstructure=before,
+        scenario=resolved(scenario),
+    )
 
 
 def seeds(scenario, count=3, **options):
@@ -65,15 +93,32 @@ def experiment(law=(3e-3, 6e-3, 15, 2e-6), lateral=(5e-3, 5e-3, 5e-3), error=1e-
     """References with the experiment's settlement, and profiles after 1, 100 and 1000 cycles with the given means."""
     n = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 600, 700, 800, 900, 1000.0])
     a, b, c, d = law
-    common = {"source": "indraratna2013", "figure": "made up", "kind": "experiment", "scenario": "", "sphere": math.nan,
-              "unit": "m", "error": error, "status": "digitised", "licence": "none"}
-    tables = [pd.DataFrame({"cycle": n, "value": a + b * (1 - np.exp(-n / c)) + d * n, "depth_m": math.nan}).assign(
-        **common, curve="experiment", quantity="settlement", sidecar="indraratna2013/settlement.toml")]
+    common = {
+        "source": "indraratna2013",
+        "figure": "made up",
+        "kind": "experiment",
+        "scenario": "",
+        "sphere": math.nan,
+        "unit": "m",
+        "error": error,
+        "status": "digitised",
+        "licence": "none",
+    }
+    tables = [
+        pd.DataFrame({"cycle": n, "value": a + b * (1 - np.exp(-n / c)) + d * n, "depth_m": math.nan}).assign(
+            **common, curve="experiment", quantity="settlement", sidecar="indraratna2013/settlement.toml"
+        )
+    ]
     for cycle, mean in zip((1, 100, 1000), lateral):
         profile = pd.DataFrame({"depth_m": DEPTH, "value": mean * SHAPE / SHAPE.mean(), "cycle": float(cycle)})
-        tables.append(profile.assign(
-            **common, curve=f"experiment after {cycle}", quantity="lateral_displacement",
-            sidecar="indraratna2013/lateral_displacement.toml"))
+        tables.append(
+            profile.assign(
+                **common,
+                curve=f"experiment after {cycle}",
+                quantity="lateral_displacement",
+                sidecar="indraratna2013/lateral_displacement.toml",
+            )
+        )
     return References(pd.concat(tables, ignore_index=True)[list(COLUMNS)], pd.DataFrame(columns=PENDING_COLUMNS))
 
 
@@ -91,6 +136,7 @@ def nonlinear(mode, restitution, count=2, **options):
 
 
 # ------------------------------------------------------------------ data and code agree
+
 
 def test_there_are_the_papers_eleven_claims_in_order():
     found, _ = load_claims()
@@ -135,13 +181,16 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
         assert {r for r in evidence._used} == {r.id for r in everything if r.scenario_name in claim.runs}, claim.id
 
 
-@pytest.mark.parametrize("old, new, words", [
-    ('id          = "late_slope"', 'id          = "early_slope"', "claim early_slope: no function of that name"),
-    ("share = 0.2 }", "share = 0.2, extra = 1 }", "threshold extra is not worded"),
-    ("cycles = 100, share = 0.2 }", "cycles = 100 }", "names 'share'; give it in thresholds"),
-    ("[stated]", "[said]", "it has [rules], [stated] and [[claim]]"),
-    ('uncertainty = "stated"', 'doubt = "stated"', "each claim has number, id"),
-])
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ('id          = "late_slope"', 'id          = "early_slope"', "claim early_slope: no function of that name"),
+        ("share = 0.2 }", "share = 0.2, extra = 1 }", "threshold extra is not worded"),
+        ("cycles = 100, share = 0.2 }", "cycles = 100 }", "names 'share'; give it in thresholds"),
+        ("[stated]", "[said]", "it has [rules], [stated] and [[claim]]"),
+        ('uncertainty = "stated"', 'doubt = "stated"', "each claim has number, id"),
+    ],
+)
 def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
     text = CLAIMS_FILE.read_text()
     assert old in text
@@ -154,6 +203,7 @@ def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
 
 
 # ------------------------------------------------------------------ what keeps a claim open
+
 
 def test_without_runs_every_claim_is_open_and_says_what_is_missing():
     verdicts = evaluate_claims([], NOTHING)
@@ -173,8 +223,9 @@ def test_one_seed_decides_nothing_but_computing_time_whose_uncertainty_is_stated
     verdicts = [v for v in evaluate_claims(runs, experiment()) if v.code == "liggghts"]
     decided = {v.claim.number for v in verdicts if v.verdict != OPEN}
     assert decided == {11}
-    assert all("a second seed of any scenario, for the uncertainty" in v.missing
-               for v in verdicts if v.claim.number != 11)
+    assert all(
+        "a second seed of any scenario, for the uncertainty" in v.missing for v in verdicts if v.claim.number != 11
+    )
 
 
 def test_a_failed_run_does_not_count():
@@ -214,13 +265,18 @@ def test_deviations_and_changed_parameters_of_the_runs_are_told():
 
 # ------------------------------------------------------------------ each claim holds, and does not, where it should
 
+
 def _porosity(end):
     return seeds("nonlinear-en1.0", end=end) + seeds("linear-mu0.8", end=(0.344, 0.349, 0.362))
 
 
 def _modes(first):
-    return [run for mode, value in ((0, first), (1, 3e-3), (2, 3e-3)) for en in (0.3, 0.6, 0.9)
-            for run in nonlinear(mode, en, first=value)]
+    return [
+        run
+        for mode, value in ((0, first), (1, 3e-3), (2, 3e-3))
+        for en in (0.3, 0.6, 0.9)
+        for run in nonlinear(mode, en, first=value)
+    ]
 
 
 def _trend(reverse):
@@ -242,25 +298,35 @@ def _others(shift):
 
 # number: runs and experiment for which it holds, and for which it does not
 CASES = {
-    1: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE), NOTHING),
-        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=START), NOTHING)),
-    2: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=(1e-3, 0, 1, 6e-6)), experiment()),
-        (seeds("nonlinear-en1.0", law=(1e-3, 6e-3, 15, 9e-6)) + seeds("linear-mu0.8", law=(1e-3, 0, 1, 2.5e-6)),
-         experiment())),
-    3: ((seeds("nonlinear-en1.0"), experiment()),
-        (seeds("nonlinear-en1.0", law=(3e-3, 2e-3, 15, 8e-6)), experiment())),
-    4: ((seeds("linear-mu0.8", first=1e-3), experiment()),
-        (seeds("linear-mu0.8", first=5e-3), experiment())),
-    5: ((seeds("nonlinear-en1.0") + seeds("linear-mu0.8", first=1e-3, lateral=5.5e-3), experiment()),
-        (seeds("nonlinear-en1.0", first=1e-3) + seeds("linear-mu0.8"), experiment())),
+    1: (
+        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE), NOTHING),
+        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=START), NOTHING),
+    ),
+    2: (
+        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=(1e-3, 0, 1, 6e-6)), experiment()),
+        (
+            seeds("nonlinear-en1.0", law=(1e-3, 6e-3, 15, 9e-6)) + seeds("linear-mu0.8", law=(1e-3, 0, 1, 2.5e-6)),
+            experiment(),
+        ),
+    ),
+    3: ((seeds("nonlinear-en1.0"), experiment()), (seeds("nonlinear-en1.0", law=(3e-3, 2e-3, 15, 8e-6)), experiment())),
+    4: ((seeds("linear-mu0.8", first=1e-3), experiment()), (seeds("linear-mu0.8", first=5e-3), experiment())),
+    5: (
+        (seeds("nonlinear-en1.0") + seeds("linear-mu0.8", first=1e-3, lateral=5.5e-3), experiment()),
+        (seeds("nonlinear-en1.0", first=1e-3) + seeds("linear-mu0.8"), experiment()),
+    ),
     6: ((_modes(6e-3), NOTHING), (_modes(3e-3), NOTHING)),
     7: ((_trend(True), NOTHING), (_trend(False), NOTHING)),
     8: ((_others(3e-3), experiment()), (_others(0)[2:] + nonlinear(1, 1.0, law=(8e-3, 6e-3, 15, 2e-6)), experiment())),
     9: ((_porosity((0.33, 0.345, 0.375)), NOTHING), (_porosity((0.37, 0.35, 0.33)), NOTHING)),
-    10: ((seeds("nonlinear-en1.0", start=(0.31, 0.32, 0.33)) + seeds("linear-mu0.8"), NOTHING),
-         (seeds("nonlinear-en1.0", start=(0.36, 0.36, 0.37)) + seeds("linear-mu0.8"), NOTHING)),
-    11: ((seeds("nonlinear-en1.0", 1) + seeds("linear-mu0.8", 1), NOTHING),
-         (seeds("nonlinear-en1.0", 1, speed=50) + seeds("linear-mu0.8", 1), NOTHING)),
+    10: (
+        (seeds("nonlinear-en1.0", start=(0.31, 0.32, 0.33)) + seeds("linear-mu0.8"), NOTHING),
+        (seeds("nonlinear-en1.0", start=(0.36, 0.36, 0.37)) + seeds("linear-mu0.8"), NOTHING),
+    ),
+    11: (
+        (seeds("nonlinear-en1.0", 1) + seeds("linear-mu0.8", 1), NOTHING),
+        (seeds("nonlinear-en1.0", 1, speed=50) + seeds("linear-mu0.8", 1), NOTHING),
+    ),
 }
 
 
@@ -310,16 +376,29 @@ def test_verdicts_become_a_table_with_a_row_per_check():
 
 
 def test_runs_of_the_reader_are_judged(tmp_path):
-    for scenario, law in (("nonlinear-en1.0", ("exponential", {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6})),
-                          ("linear-mu0.8", ("line", {"a": 1e-3, "b": 2e-5}))):
+    for scenario, law in (
+        ("nonlinear-en1.0", ("exponential", {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6})),
+        ("linear-mu0.8", ("line", {"a": 1e-3, "b": 2e-5})),
+    ):
         for seed in (1, 2):
-            write_run(tmp_path, "demo", scenario, "liggghts", 120, seed, law=law, noise=0.01, contacts=False,
-                      info={"profile": "full"})
+            write_run(
+                tmp_path,
+                "demo",
+                scenario,
+                "liggghts",
+                120,
+                seed,
+                law=law,
+                noise=0.01,
+                contacts=False,
+                info={"profile": "full"},
+            )
     verdict = judge(1, load_runs(tmp_path, quiet=True))
     assert verdict.verdict == HOLDS and "after cycle 120" in verdict.checks[0].numbers
 
 
 # ------------------------------------------------------------------ quantities and statistics
+
 
 def test_the_profile_error_of_a_profile_with_itself_is_zero_and_of_twice_it_about_one():
     curve = experiment().curve("lateral_displacement", cycle=100)
@@ -365,17 +444,21 @@ def test_an_absolute_value_at_its_kink_is_as_uncertain_as_its_argument():
 
 # ------------------------------------------------------------------ eq. 16
 
+
 def test_all_damping_modes_are_the_same_undamped_law_at_restitution_one():
     table = restitution_table()
     at_one = table[table["nominal_restitution"] == 1]
     assert list(at_one["damping_factor"]) == [0, 0, 0] and list(at_one["effective_restitution"]) == [1, 1, 1]
 
 
-@pytest.mark.parametrize("mode, expected", [
-    (0, [math.nan, 0.3042, 0.5773, 0.8764, 1]),
-    (1, [0.6630, 0.6842, 0.7561, 0.9132, 1]),
-    (2, [0.1787, 0.3267, 0.5769, 0.8959, 1]),
-])
+@pytest.mark.parametrize(
+    "mode, expected",
+    [
+        (0, [math.nan, 0.3042, 0.5773, 0.8764, 1]),
+        (1, [0.6630, 0.6842, 0.7561, 0.9132, 1]),
+        (2, [0.1787, 0.3267, 0.5769, 0.8959, 1]),
+    ],
+)
 def test_effective_restitution_is_as_published(mode, expected):
     table = restitution_table()
     found = table.loc[table["damping_mode"] == mode, "effective_restitution"].to_numpy()

@@ -15,19 +15,23 @@ from analysis.verification.probes import ClumpAt, Probe, run_probes, with_values
 
 # every conversion is met by at least one of these; walls and particles differ in each value
 SCENARIOS = {
-    "linear": with_values(load_scenario("linear-mu0.7"),
-                          "linear",
-                          contact__particle_particle__shear_stiffness=7e7,
-                          contact__particle_wall__friction=0.65),
-    "dashpots": with_values(load_scenario("linear-mu0.7"),
-                            "dashpots",
-                            contact__particle_particle__damping_ratio=0.2,
-                            contact__particle_wall__damping_ratio=0.1,
-                            contact__particle_wall__shear_stiffness=3e8),
+    "linear": with_values(
+        load_scenario("linear-mu0.7"),
+        "linear",
+        contact__particle_particle__shear_stiffness=7e7,
+        contact__particle_wall__friction=0.65,
+    ),
+    "dashpots": with_values(
+        load_scenario("linear-mu0.7"),
+        "dashpots",
+        contact__particle_particle__damping_ratio=0.2,
+        contact__particle_wall__damping_ratio=0.1,
+        contact__particle_wall__shear_stiffness=3e8,
+    ),
     "hysteretic": load_scenario("nonlinear-md1-en0.6"),
-    "gonthier": with_values(load_scenario("nonlinear-md0-en0.3"),
-                            "gonthier",
-                            contact__particle_particle__poisson_ratio=0.2),
+    "gonthier": with_values(
+        load_scenario("nonlinear-md0-en0.3"), "gonthier", contact__particle_particle__poisson_ratio=0.2
+    ),
 }
 CLUMP = derived.clump(load_scenario("linear-mu0.8"))
 RADIUS = CLUMP.radius_m
@@ -39,8 +43,10 @@ PAIR = tuple(ClumpAt((0.2 + k * (2 * RADIUS - 1e-5), 0.2, RADIUS + CLUMP.half_di
 def yade_values(tmp_path_factory):
     """Values by scenario and key, e.g. pp.kn, from YADE's own contacts."""
     folder = tmp_path_factory.mktemp("yade")
-    probes = [Probe(name, scenario, derived.time_grid(scenario).step_s, 1, clumps=PAIR, wall="linear")
-              for name, scenario in SCENARIOS.items()]
+    probes = [
+        Probe(name, scenario, derived.time_grid(scenario).step_s, 1, clumps=PAIR, wall="linear")
+        for name, scenario in SCENARIOS.items()
+    ]
     _, failures = run_probes("yade", probes, folder)
     assert not failures
     found = {}
@@ -61,8 +67,13 @@ def liggghts_values(tmp_path_factory):
         folder = tmp_path_factory.mktemp(name)
         (folder / "parameters.in").write_text(engines.liggghts_parameters(scenario, 1))
         engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in PAIR])
-        out = subprocess.run([engines.HOST, "-in", "liggghts/verify_values.in", "-log", "none", "-var", "run", folder],
-                             cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        out = subprocess.run(
+            [engines.HOST, "-in", "liggghts/verify_values.in", "-log", "none", "-var", "run", folder],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
         lines = [line.split() for line in out.splitlines() if line.startswith("VALUE ")]
         found[name] = {key: float(value) for _, key, value in lines}
     return found
@@ -77,7 +88,7 @@ def test_yade_got_what_the_table_says(conversion, yade_values):
     compared = 0
     for name, scenario in SCENARIOS.items():
         values = yade_values[name]
-        damped = conversion.yade_key.endswith(".cn")        # YADE has the coefficient in contacts with a dashpot only
+        damped = conversion.yade_key.endswith(".cn")  # YADE has the coefficient in contacts with a dashpot only
         if not holds(conversion, scenario) or (damped and conversion.yade_key not in values):
             continue
         assert values[conversion.yade_key] == pytest.approx(conversion.yade_value(scenario), rel=1e-6), name
@@ -88,8 +99,9 @@ def test_yade_got_what_the_table_says(conversion, yade_values):
 @pytest.mark.parametrize("conversion", CONVERSIONS, ids=lambda c: c.parameter)
 def test_liggghts_got_what_the_table_says(conversion, liggghts_values):
     for name, scenario in SCENARIOS.items():
-        assert liggghts_values[name][conversion.liggghts_key] == pytest.approx(conversion.liggghts_value(scenario),
-                                                                               rel=1e-9), name
+        assert liggghts_values[name][conversion.liggghts_key] == pytest.approx(
+            conversion.liggghts_value(scenario), rel=1e-9
+        ), name
 
 
 def test_no_contact_parameter_is_left_out():

@@ -9,9 +9,11 @@ from analysis import laws
 from analysis.verification import oracle
 
 # the sources of eq. 16: restitution that comes out, by damping mode and nominal restitution
-RESTITUTION_OUT = {0: {0.3: 0.3042, 0.6: 0.5773, 0.9: 0.8764, 1.0: 1.0},
-                   1: {0.0: 0.6630, 0.3: 0.6842, 0.6: 0.7561, 0.9: 0.9132, 1.0: 1.0},
-                   2: {0.0: 0.1787, 0.3: 0.3267, 0.6: 0.5769, 0.9: 0.8959, 1.0: 1.0}}
+RESTITUTION_OUT = {
+    0: {0.3: 0.3042, 0.6: 0.5773, 0.9: 0.8764, 1.0: 1.0},
+    1: {0.0: 0.6630, 0.3: 0.6842, 0.6: 0.7561, 0.9: 0.9132, 1.0: 1.0},
+    2: {0.0: 0.1787, 0.3: 0.3267, 0.6: 0.5769, 0.9: 0.8959, 1.0: 1.0},
+}
 TABLE = [(mode, e, out) for mode, row in RESTITUTION_OUT.items() for e, out in row.items()]
 MASS = 0.0345
 
@@ -30,8 +32,9 @@ def test_restitution_by_integration(mode, nominal):
     impact = oracle.head_on(law, 0.5)
     assert impact.restitution == pytest.approx(laws.effective_restitution(factor), abs=1e-8)
     coefficient = laws.hertz_coefficient(35e6, 0.3, 0.0147)
-    assert impact.peak_overlap_m == pytest.approx(laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5),
-                                                  rel=1e-7)
+    assert impact.peak_overlap_m == pytest.approx(
+        laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5), rel=1e-7
+    )
 
 
 def test_damping_mode_0_refuses_restitution_0():
@@ -41,8 +44,9 @@ def test_damping_mode_0_refuses_restitution_0():
 
 @pytest.mark.parametrize("mode", [0, 1, 2])
 def test_nominal_restitution_inverts(mode):
-    assert laws.effective_restitution(laws.damping_factor(mode, laws.nominal_restitution(mode,
-                                                                                         0.8))) == pytest.approx(0.8)
+    assert laws.effective_restitution(laws.damping_factor(mode, laws.nominal_restitution(mode, 0.8))) == pytest.approx(
+        0.8
+    )
 
 
 def test_nominal_restitution_refuses_what_a_mode_cannot_give():
@@ -64,10 +68,12 @@ def test_wall_dashpot_restitution():
 
 
 # Chung and Ooi 2011, tests 1 and 2: E, nu, density, radius, speed, wall -> overlap (m), force (N), duration (s)
-CHUNG_OOI = [(48e9, 0.20, 2800, 0.01, 20, False, 274.1e-6, 10.70e3, 40.3e-6),
-             (20e9, 0.25, 2500, 0.01, 20, False, 368.3e-6, 7.11e3, 54.2e-6),
-             (70e9, 0.30, 2699, 0.1, 0.2, True, 49.72e-6, 11.37e3, 731.7e-6),
-             (40e9, 0.35, 1800, 0.1, 0.2, True, 52.12e-6, 7.23e3, 767.1e-6)]
+CHUNG_OOI = [
+    (48e9, 0.20, 2800, 0.01, 20, False, 274.1e-6, 10.70e3, 40.3e-6),
+    (20e9, 0.25, 2500, 0.01, 20, False, 368.3e-6, 7.11e3, 54.2e-6),
+    (70e9, 0.30, 2699, 0.1, 0.2, True, 49.72e-6, 11.37e3, 731.7e-6),
+    (40e9, 0.35, 1800, 0.1, 0.2, True, 52.12e-6, 7.23e3, 767.1e-6),
+]
 
 
 @pytest.mark.parametrize("young, nu, density, radius, speed, wall, overlap, force, duration", CHUNG_OOI)
@@ -93,10 +99,12 @@ def test_hysteretic_law_is_hertz_and_mindlin():
     g_star = young / (4 * (2 - nu) * (1 + nu))
     shear = young / (2 * (1 + nu))
     bar = laws.effective_radius(r1, r2)
-    assert laws.hertz_normal_force(overlap, shear, nu,
-                                   bar) == pytest.approx(4 / 3 * e_star * math.sqrt(r_star) * overlap**1.5)
-    assert laws.mindlin_shear_stiffness(overlap, shear, nu,
-                                        bar) == pytest.approx(8 * g_star * math.sqrt(r_star * overlap))
+    assert laws.hertz_normal_force(overlap, shear, nu, bar) == pytest.approx(
+        4 / 3 * e_star * math.sqrt(r_star) * overlap**1.5
+    )
+    assert laws.mindlin_shear_stiffness(overlap, shear, nu, bar) == pytest.approx(
+        8 * g_star * math.sqrt(r_star * overlap)
+    )
 
 
 def test_slip_keeps_direction_and_uses_the_elastic_force():
@@ -125,11 +133,14 @@ def test_limit_stays_clear_of_the_paper_cases():
     """No impact of the paper reaches the limit (D < 4), so it changes no restitution; the first beyond does."""
     for mode, nominal, _ in TABLE:
         assert laws.damping_factor(mode, nominal) < laws.LIMIT_FREE_FACTOR or (mode, nominal) == (
-            2, 0.0)  # which the paper leaves out
+            2,
+            0.0,
+        )  # which the paper leaves out
     for factor, shift in ((3.9, 0.0), (5.54, 0.0042)):
         law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
-        assert oracle.head_on(law, 0.5).restitution == pytest.approx(laws.effective_restitution(factor) * (1 + shift),
-                                                                     rel=1e-4)
+        assert oracle.head_on(law, 0.5).restitution == pytest.approx(
+            laws.effective_restitution(factor) * (1 + shift), rel=1e-4
+        )
 
 
 # ------------------------------------------------------------------ oracle
@@ -151,7 +162,7 @@ def test_gross_sliding(degrees):
     normal, sliding, state = bounce(0.3, degrees)
     impulse = 0.3 * (1 + laws.dashpot_restitution(0.06)) * normal
     assert state[3] == pytest.approx(sliding - impulse, rel=1e-6)
-    assert state[5] == pytest.approx(impulse * MASS * 0.015 / BALL.inertia, rel=1e-3)   # lever R - overlap/2
+    assert state[5] == pytest.approx(impulse * MASS * 0.015 / BALL.inertia, rel=1e-3)  # lever R - overlap/2
 
 
 def test_sticking_bounce_of_infinite_friction():
@@ -167,7 +178,7 @@ def test_bounce_keeps_energy_without_friction_and_damping():
     body = oracle.Body(MASS, 2e-5, ((-0.012, 0.0, 0.0147), (0.012, 0.0, 0.0147)))
     law = oracle.Linear(1e8, 1e8, 0.0, 0.0, MASS)
     _, states, _ = oracle.bounce(body, [law, law], (0, 0.03, 0.4, 0.3, -1.0, 2.0), 0.05)
-    energy = 0.5 * MASS * (states[:, 3]**2 + states[:, 4]**2) + 0.5 * body.inertia * states[:, 5]**2
+    energy = 0.5 * MASS * (states[:, 3] ** 2 + states[:, 4] ** 2) + 0.5 * body.inertia * states[:, 5] ** 2
     assert states[-1][4] > 0
     assert energy[-1] == pytest.approx(energy[0], rel=1e-6)
 
@@ -202,7 +213,7 @@ def test_path_follows_the_differential_equation():
     _, shear = oracle.forces_along(law, overlap(times), np.diff(overlap(times)) / times[1], sliding(middles) * times[1])
     assert np.abs(shear - expected[1:]).max() < 2e-3 * np.abs(expected).max()
     slipping = np.isclose(np.abs(expected[1:]), 0.4 * np.array([law.elastic(u) for u in overlap(times[1:])]), rtol=1e-6)
-    assert 0.05 < slipping.mean() < 0.95        # both branches are exercised
+    assert 0.05 < slipping.mean() < 0.95  # both branches are exercised
 
 
 def test_path_forgets_over_a_separation():
@@ -216,5 +227,5 @@ def test_path_forgets_over_a_separation():
 def test_viscous_hertz_gives_its_nominal_restitution():
     law = oracle.ViscousHertz(35e6, 0.3, 0.0147, mass=MASS, restitution=0.6)
     impact = oracle.head_on(law, 0.5)
-    assert impact.restitution == pytest.approx(0.6, rel=1e-3)      # as good as the polynomial behind it
+    assert impact.restitution == pytest.approx(0.6, rel=1e-3)  # as good as the polynomial behind it
     assert impact.force_N.min() >= 0

@@ -132,7 +132,9 @@ def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fail
         pass
 
     bed, n = Bed(), np.arange(1, cycles + 1)
-    bed.cycles = pd.DataFrame({"cycle": n, "settlement_m": curve(n), **{f"lateral_{k}_m": 2e-5 * n for k in range(1, 6)}})
+    bed.cycles = pd.DataFrame(
+        {"cycle": n, "settlement_m": curve(n), **{f"lateral_{k}_m": 2e-5 * n for k in range(1, 6)}}
+    )
     bed.microstructure = pd.DataFrame({"cycle": [0, *n], "crib_heave_m": [0, *(-1e-5 * n)]})
     rates = quantities.settling_rates(bed)
     assert quantities.settling_trend(bed) == trend

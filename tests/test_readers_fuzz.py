@@ -19,7 +19,15 @@ from analysis.normalised.readers import Run, read_table
 
 CASES = 240
 TABLES = {"cycles.csv": tables.CYCLES, "history.csv": tables.HISTORY, "microstructure.csv": tables.MICROSTRUCTURE}
-FILES = (*TABLES, "run.json", "scenario.json", "stages.json", "bed_before.csv", "bed_after.csv", "raw/contacts_cycle_000005.csv")
+FILES = (
+    *TABLES,
+    "run.json",
+    "scenario.json",
+    "stages.json",
+    "bed_before.csv",
+    "bed_after.csv",
+    "raw/contacts_cycle_000005.csv",
+)
 
 
 @pytest.fixture(scope="module")
@@ -255,7 +263,10 @@ def test_run_that_is_still_packing_is_no_problem(results):
     [
         (b'{"preload": {"settlement_m": 1e300}}', "preload: settlement_m cannot be: not used"),
         (b'{"preload": 3}', "is damaged (is no table of stages); nothing of it is used"),
-        (b'{"preload": {"settlem', "is damaged (Unterminated string starting at: line 1 column 14 (char 13)); nothing of it is used"),
+        (
+            b'{"preload": {"settlem',
+            "is damaged (Unterminated string starting at: line 1 column 14 (char 13)); nothing of it is used",
+        ),
     ],
 )
 def test_damaged_stages_cost_themselves_alone(results, content, said):

@@ -37,14 +37,15 @@ def folder(tmp_path):
     return target
 
 
-def fill(sidecar, files, x=("-", [0, 1000]), y=("mm", [0, 20]), error=(0.2, "mm"), status="digitised", base=0,
-         **replace):
+def fill(
+    sidecar, files, x=("-", [0, 1000]), y=("mm", [0, 20]), error=(0.2, "mm"), status="digitised", base=0, **replace
+):
     """Answer every "?" of a sidecar, x and y as (unit, range); `replace` maps further words of the file."""
     text = sidecar.read_text()
     text = text.replace('status  = "pending"', f'status  = "{status}"')
     text = text.replace("files        = []", f"files = {json.dumps(files)}")
     for key, value in (("digitised_by", '"A. Tester"'), ("date", "2026-03-01"), ("method", '"synthetic"')):
-        text = re.sub(rf'(?m)^{key} .*$', f"{key} = {value}", text)
+        text = re.sub(rf"(?m)^{key} .*$", f"{key} = {value}", text)
     text = re.sub(r"(?m)^error .*$", f'error = {{ value = {error[0]}, unit = "{error[1]}", source = "made up" }}', text)
     text = text.replace('at_sleeper_base = "?"', f"at_sleeper_base = {base}")
     head, x_axis, y_axis = re.split(r"(?=\[axes\.[xy]\])", text)
@@ -72,14 +73,30 @@ def side_by_side_csv(path, datasets):
 
 
 def project_json(path, datasets, x=(0, 1000), y=(0, 20), version=4, axes_type="XYAxes"):
-    corners = [{"px": 0, "py": 0, "dx": str(dx), "dy": str(dy), "dz": None}
-               for dx, dy in ((x[0], y[0]), (x[1], y[0]), (x[0], y[0]), (x[0], y[1]))]
-    series = [{"name": name, "axesName": "XY", "metadataKeys": [], "autoDetectionData": None,
-               "data": [{"x": 1.0, "y": 2.0, "value": list(map(float, p))} for p in points]}
-              for name, points in datasets.items()]
+    corners = [
+        {"px": 0, "py": 0, "dx": str(dx), "dy": str(dy), "dz": None}
+        for dx, dy in ((x[0], y[0]), (x[1], y[0]), (x[0], y[0]), (x[0], y[1]))
+    ]
+    series = [
+        {
+            "name": name,
+            "axesName": "XY",
+            "metadataKeys": [],
+            "autoDetectionData": None,
+            "data": [{"x": 1.0, "y": 2.0, "value": list(map(float, p))} for p in points],
+        }
+        for name, points in datasets.items()
+    ]
     if version == 3:
-        body = {"wpd": {"version": [3, 8], "axesType": axes_type, "axesParameters": {"isLogX": False, "isLogY": False},
-                        "calibration": corners, "dataSeries": series}}
+        body = {
+            "wpd": {
+                "version": [3, 8],
+                "axesType": axes_type,
+                "axesParameters": {"isLogX": False, "isLogY": False},
+                "calibration": corners,
+                "dataSeries": series,
+            }
+        }
     else:
         axes = [{"name": "XY", "type": axes_type, "isLogX": False, "isLogY": False, "calibrationPoints": corners}]
         body = {"version": [4, 2], "axesColl": axes, "datasetColl": series, "measurementColl": []}
@@ -97,6 +114,7 @@ def only(references, **wanted):
 
 # ------------------------------------------------------------------ what is committed
 
+
 def test_the_committed_reference_data_are_valid():
     references = load_references()
     assert references.problems == []
@@ -111,17 +129,24 @@ def test_every_committed_curve_that_is_there_names_who_digitised_it_and_its_erro
 @pytest.mark.parametrize("source, kind", [("indraratna2013", "experiment"), ("chen2015", "simulation")])
 def test_settlement_and_profiles_after_1_100_1000_cycles_are_asked_of_both_sources(source, kind):
     references = load_references()
-    known = {(r.quantity, r.cycle if r.quantity == "lateral_displacement" else None)
-             for table in (references.pending, references.curves) for r in table[table["source"] == source].itertuples()
-             if r.kind == kind}
+    known = {
+        (r.quantity, r.cycle if r.quantity == "lateral_displacement" else None)
+        for table in (references.pending, references.curves)
+        for r in table[table["source"] == source].itertuples()
+        if r.kind == kind
+    }
     assert known == {("settlement", None), *(("lateral_displacement", n) for n in (1, 100, 1000))}
 
 
 def test_every_scenario_of_the_paper_has_its_curves_asked_for():
     references = load_references()
     for quantity in ("settlement", "lateral_displacement"):
-        asked = {r.scenario for t in (references.pending, references.curves) for r in t.itertuples()
-                 if r.source == "talebiahooie2021" and r.quantity == quantity}
+        asked = {
+            r.scenario
+            for t in (references.pending, references.curves)
+            for r in t.itertuples()
+            if r.source == "talebiahooie2021" and r.quantity == quantity
+        }
         assert len(asked) == 14 and asked <= set(scenario_names())
 
 
@@ -142,8 +167,11 @@ def test_the_answers_shown_in_the_guide_are_accepted(folder):
     example = textwrap.dedent(re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1])
     source = folder / "indraratna2013"
     answered, axes = re.split(r"(?=\[axes\.x\])", example)
-    kept = re.sub(r"(?m)^(status|files|digitised_by|date|method|error) .*\n", "",
-                  (source / "settlement.toml").read_text().split("[axes.x]")[0])
+    kept = re.sub(
+        r"(?m)^(status|files|digitised_by|date|method|error) .*\n",
+        "",
+        (source / "settlement.toml").read_text().split("[axes.x]")[0],
+    )
     (source / "settlement.toml").write_text(answered + kept + axes)
     single_csv(source / "settlement.csv", settlement_points())
     assert len(only(load_references(folder), quantity="settlement")) == len(CYCLES)
@@ -157,6 +185,7 @@ def test_make_reference_lists_what_is_pending_and_succeeds(capsys):
 
 
 # ------------------------------------------------------------------ dropping curves in
+
 
 @pytest.mark.parametrize("separator, decimal", [(", ", "."), (",", "."), ("; ", ","), ("\t", ".")])
 def test_a_single_csv_is_taken_up_whatever_its_dataset_was_called(folder, separator, decimal):
@@ -186,8 +215,10 @@ def test_several_single_csv_files_are_named_after_their_datasets(folder):
 
 def test_datasets_side_by_side_become_profiles_over_depth_below_the_sleeper(folder):
     source = folder / "indraratna2013"
-    profiles = {f"experiment after {n}": np.column_stack([0.01 * (1 + k) * DEPTH_MM, DEPTH_MM])[: 5 - k % 2]
-                for k, n in enumerate((1, 100, 1000))}
+    profiles = {
+        f"experiment after {n}": np.column_stack([0.01 * (1 + k) * DEPTH_MM, DEPTH_MM])[: 5 - k % 2]
+        for k, n in enumerate((1, 100, 1000))
+    }
     side_by_side_csv(source / "wpd_datasets.csv", profiles)
     fill(source / "lateral_displacement.toml", ["wpd_datasets.csv"], x=("mm", [0, 10]), y=("mm", [0, 325]))
     references = load_references(folder)
@@ -216,11 +247,22 @@ def test_a_project_file_with_several_datasets_is_taken_up_with_percent_as_porosi
 def test_an_axis_of_heights_and_one_of_negative_settlements_are_turned_round(folder):
     source = folder / "chen2015"
     single_csv(source / "simulation after 1.csv", np.column_stack([[1.0, 2, 3, 4, 5], 325 - DEPTH_MM]))
-    fill(source / "lateral_displacement.toml", ["simulation after 1.csv"], x=("mm", [0, 10]), y=("mm", [0, 325]),
-         base=325, **{"reversed = false": "reversed = true"})
+    fill(
+        source / "lateral_displacement.toml",
+        ["simulation after 1.csv"],
+        x=("mm", [0, 10]),
+        y=("mm", [0, 325]),
+        base=325,
+        **{"reversed = false": "reversed = true"},
+    )
     single_csv(source / "s.csv", np.column_stack([CYCLES, -SETTLEMENT_MM / 10]))
-    fill(source / "settlement.toml", ["s.csv"], y=("cm", [0, -2]), error=(0.02, "cm"),
-         **{"reversed = false": "reversed = true"})
+    fill(
+        source / "settlement.toml",
+        ["s.csv"],
+        y=("cm", [0, -2]),
+        error=(0.02, "cm"),
+        **{"reversed = false": "reversed = true"},
+    )
     references = load_references(folder)
     profile = only(references, quantity="lateral_displacement", source="chen2015")
     assert profile["depth_m"].to_numpy() == pytest.approx(DEPTH_MM * 1e-3)
@@ -256,13 +298,16 @@ def drop_everything(folder):
         names = [(c["dataset"], c.get("cycle", 0)) for c in tomllib.loads(sidecar.read_text())["curves"]]
         stem, share = sidecar.stem, np.array([0.0, 10, 100, 1000]) / 1000
         if "porosity" in stem:
-            points = {name: np.column_stack([1000 * share, 0.34 + (k + share) / 100])
-                      for k, (name, _) in enumerate(names)}
+            points = {
+                name: np.column_stack([1000 * share, 0.34 + (k + share) / 100]) for k, (name, _) in enumerate(names)
+            }
             project_json(sidecar.parent / f"{stem}.json", points, y=(0.3, 0.4), version=3)
             fill(sidecar, [f"{stem}.json"], y=("-", [0.3, 0.4]), error=(0.001, "-"))
         elif "lateral" in stem:
-            points = {name: np.column_stack([(1 + np.log10(cycle)) * np.array([1.0, 2, 3, 2, 1]), DEPTH_MM])
-                      for name, cycle in names}
+            points = {
+                name: np.column_stack([(1 + np.log10(cycle)) * np.array([1.0, 2, 3, 2, 1]), DEPTH_MM])
+                for name, cycle in names
+            }
             side_by_side_csv(sidecar.parent / f"{stem}.csv", points)
             fill(sidecar, [f"{stem}.csv"], x=("mm", [0, 20]), y=("mm", [0, 325]))
         elif len(names) == 1:
@@ -314,7 +359,9 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
 
     build(tmp_path / "results", tmp_path / "report", tmp_path / "none", folder)
     page = (tmp_path / "report" / "figures.html").read_text()
-    assert "Where the reference curves come from" in page and page.count("A. Tester, 2026-03-01") == len(sidecars(folder))
+    assert "Where the reference curves come from" in page and page.count("A. Tester, 2026-03-01") == len(
+        sidecars(folder)
+    )
     assert "Lateral displacement against the reference profiles" in page
     first_page = (tmp_path / "report" / "index.html").read_text()
     assert "Reference curves in hand" in first_page and "by A. Tester" in first_page
@@ -331,7 +378,7 @@ def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
     (folder / "chen2015" / "settlement.toml").write_text("status = ")
     references = load_references(folder)
     assert set(references.curves["source"]) == {"indraratna2013"}
-    problem, = references.problems
+    (problem,) = references.problems
     assert problem.startswith("chen2015/settlement.toml: is not valid TOML")
     assert check.main(["--folder", str(folder)]) == 1
     assert "ERROR: chen2015/settlement.toml" in capsys.readouterr().err
@@ -339,10 +386,12 @@ def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
 
 # ------------------------------------------------------------------ what is refused
 
+
 def _points(change):
     def make(source):
         single_csv(source / "s.csv", change(settlement_points()))
         return {}
+
     return make
 
 
@@ -350,6 +399,7 @@ def _file(name, content):
     def make(source):
         (source / name).write_bytes(content if isinstance(content, bytes) else content.encode())
         return {"files": [name]}
+
     return make
 
 
@@ -357,6 +407,7 @@ def _fill(**options):
     def make(source):
         single_csv(source / "s.csv", settlement_points())
         return options
+
     return make
 
 
@@ -364,6 +415,7 @@ def _project(**options):
     def make(source):
         project_json(source / "wpd.json", {"experiment": settlement_points()}, **options)
         return {"files": ["wpd.json"]}
+
     return make
 
 
@@ -385,19 +437,29 @@ BAD = {
     "nameless dataset": (_file("s.csv", "a,,,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "column 3", "no name"]),
     "misspelt dataset": (
         _file("s.csv", "experment,,b,\nX,Y,X,Y\n1,2,3,4\n"),
-        ["s.csv", "'experment' is not a curve of settlement.toml", "perhaps 'experiment'"]),
+        ["s.csv", "'experment' is not a curve of settlement.toml", "perhaps 'experiment'"],
+    ),
     "dataset twice": (_file("s.csv", "a,,a,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "'a' occurs twice"]),
     "not JSON": (_file("s.json", "{"), ["s.json", "not JSON"]),
     "JSON of something else": (_file("s.json", '{"a": 1}'), ["s.json", "not a WebPlotDigitizer project", "wpd.json"]),
     "JSON list": (_file("s.json", "[1, 2]"), ["s.json", "not a WebPlotDigitizer project"]),
     "project on a map": (_project(axes_type="MapAxes"), ["wpd.json", "MapAxes", "2D (X-Y) Plot"]),
     "project without calibration": (
-        _file("s.json", json.dumps({"axesColl": [{"name": "XY", "type": "XYAxes"}], "datasetColl": [
-            {"name": "a", "axesName": "XY", "data": [{"x": 1, "y": 2}] * 3}]})),
-        ["s.json", "without calibrated values", "calibrate the axes"]),
+        _file(
+            "s.json",
+            json.dumps(
+                {
+                    "axesColl": [{"name": "XY", "type": "XYAxes"}],
+                    "datasetColl": [{"name": "a", "axesName": "XY", "data": [{"x": 1, "y": 2}] * 3}],
+                }
+            ),
+        ),
+        ["s.json", "without calibrated values", "calibrate the axes"],
+    ),
     "project calibrated in other units": (
         _project(y=(0, 5000)),
-        ["wpd.json", "calibrated from 0 to 5000", "0 to 20 mm", "axes.y"]),
+        ["wpd.json", "calibrated from 0 to 5000", "0 to 20 mm", "axes.y"],
+    ),
     "too few points": (_points(lambda p: p[:2]), ["'experiment'", "2 points", "at least 3"]),
     "metres called millimetres": (_fill(y=("m", [0, 20])), ["settlement", "m is outside", "axes.y: unit"]),
     "off the axis": (_points(lambda p: _row(p, 3, 1, 25.0)), ["y = 25", "off the axis, 0 to 20 mm", "axes.y.range"]),
@@ -406,15 +468,18 @@ BAD = {
     "cycle twice": (_points(lambda p: _row(p, 4, 0, 10.0)), ["does not increase at point 5", "doubled points"]),
     "negative settlement": (
         lambda source: _points(lambda p: p * [1, -0.1])(source) | {"y": ("mm", [0, -2])},
-        ["settlement is negative", "axes.y.reversed = true"]),
+        ["settlement is negative", "axes.y.reversed = true"],
+    ),
     "empty axis": (_fill(y=("mm", [5, 5])), ["settlement.toml", "axes.y.range = [5, 5] is empty"]),
     "still pending": (_fill(status="pending"), ["settlement.toml", 'status = "pending"', 'status = "digitised"']),
     "open question": (
         _fill(**{'digitised_by = "A. Tester"': 'digitised_by = "?"'}),
-        ["digitised_by", '"?" is still open']),
+        ["digitised_by", '"?" is still open'],
+    ),
     "several open questions": (
         _fill(y=("?", [0, 20]), **{'digitised_by = "A. Tester"': 'digitised_by = "?"', "2026-03-01": '"?"'}),
-        ["digitised_by", "date", "axes.y.unit", '"?" is still open']),
+        ["digitised_by", "date", "axes.y.unit", '"?" is still open'],
+    ),
     "unit not filled in": (_fill(y=("?", [0, 20])), ["axes.y.unit", '"?" is still open']),
     "range not filled in": (_fill(**{"range    = [0, 20]": 'range    = "?"'}), ["axes.y.range", '"?" is still open']),
     "no error stated": (_fill(error=(0, "mm")), ["error.value = 0 is refused"]),
@@ -424,30 +489,40 @@ BAD = {
     "cycles in millimetres": (_fill(x=("mm", [0, 1000])), ["axes.x.unit", '"mm" is refused', "- (cycles, shares), s"]),
     "cycles called seconds": (_fill(x=("s", [0, 1000])), ["1000 s are 20000 cycles", 'axes.x.unit = "-"']),
     "millimetres typed as metres": (
-        _points(lambda p: p * [1, 1e-3]), ["y spans", "next to nothing of its axis, 0 to 20 mm", "axes.y: unit"]),
+        _points(lambda p: p * [1, 1e-3]),
+        ["y spans", "next to nothing of its axis, 0 to 20 mm", "axes.y: unit"],
+    ),
     "an error as large as the curve": (
-        _fill(error=(30, "mm")), ["settlement.toml: error.value = 30 mm", "more than half of the axis, 0 to 20 mm"]),
+        _fill(error=(30, "mm")),
+        ["settlement.toml: error.value = 30 mm", "more than half of the axis, 0 to 20 mm"],
+    ),
     "an American in a hurry": (
         _fill(**{"digitised_by = ": "digitized_by = "}),
-        ["'digitised_by' is a required property", "rename 'digitized_by'"]),
+        ["'digitised_by' is a required property", "rename 'digitized_by'"],
+    ),
     "a date in words": (_fill(**{"2026-03-01": '"1 March 2026"'}), ["date = ", 'write it as "2026-03-01"']),
     "unknown key": (_fill(**{"kind ": 'remark = "x"\nkind '}), ["the file", "'remark'", "allowed: source"]),
     "no licence": (_fill(**{"licence ": "#licence "}), ["the file", "'licence' is a required property"]),
     "axes that make no curve": (
         _fill(**{'quantity = "cycle"': 'quantity = "porosity"', 'unit     = "-"': 'unit     = "%"'}),
-        ["axes", "porosity and settlement make no curve", "settlement with cycle"]),
+        ["axes", "porosity and settlement make no curve", "settlement with cycle"],
+    ),
     "sphere for a settlement": (
         _fill(**{'dataset = "experiment"': 'dataset = "experiment", sphere = 1'}),
-        ["'experiment' has sphere", "settlement has none"]),
+        ["'experiment' has sphere", "settlement has none"],
+    ),
     "unknown scenario": (
         _fill(**{'dataset = "experiment"': 'dataset = "experiment", scenario = "linear"'}),
-        ["scenario 'linear' is unknown", "scenarios.toml"]),
+        ["scenario 'linear' is unknown", "scenarios.toml"],
+    ),
     "curve twice": (
         _fill(**{'  { dataset = "experiment" },': '  { dataset = "experiment" },\n  { dataset = "experiment" },'}),
-        ["curves", "'experiment' occurs twice"]),
+        ["curves", "'experiment' occurs twice"],
+    ),
     "source without citation": (
         _fill(**{'source  = "indraratna2013"': 'source  = "indraratna2012"'}),
-        ["source = 'indraratna2012' is not in reference.bib"]),
+        ["source = 'indraratna2012' is not in reference.bib"],
+    ),
 }
 
 
@@ -474,16 +549,19 @@ def test_a_profile_without_its_cycle_is_refused(folder):
 
 def test_a_dropped_file_that_no_sidecar_names_is_not_overlooked(folder):
     single_csv(folder / "chen2015" / "settlement.csv", settlement_points())
-    problem, = load_references(folder).problems
+    (problem,) = load_references(folder).problems
     assert problem.startswith("chen2015/settlement.csv: is named by no sidecar; add it to `files`")
 
 
-@pytest.mark.parametrize("old, new, words", [
-    ("coefficient = 0.43", "coefficient = 43", "log-hettler: form = logarithm, coefficient = 43 is refused"),
-    ('form        = "power"', 'form        = "root"', "power-selig-waters: form = root"),
-    ('= ["hettler1984"]', '= ["hettler"]', "log-hettler: source 'hettler' is not in reference.bib"),
-    ("coefficient = 0.43", "", "each [[law]] has id, label"),
-])
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ("coefficient = 0.43", "coefficient = 43", "log-hettler: form = logarithm, coefficient = 43 is refused"),
+        ('form        = "power"', 'form        = "root"', "power-selig-waters: form = root"),
+        ('= ["hettler1984"]', '= ["hettler"]', "log-hettler: source 'hettler' is not in reference.bib"),
+        ("coefficient = 0.43", "", "each [[law]] has id, label"),
+    ],
+)
 def test_a_bad_settlement_law_is_refused_in_one_line(folder, capsys, old, new, words):
     path = folder / "settlement_laws" / "laws.toml"
     assert old in path.read_text()
@@ -495,5 +573,5 @@ def test_a_bad_settlement_law_is_refused_in_one_line(folder, capsys, old, new, w
 
 def test_calibration_of_a_project_file_is_read(tmp_path):
     project_json(tmp_path / "wpd.json", {"a": settlement_points()}, x=(0, 1000), y=(20, 0))
-    dataset, = webplotdigitizer.read(tmp_path / "wpd.json")
+    (dataset,) = webplotdigitizer.read(tmp_path / "wpd.json")
     assert dataset.calibration == ((0, 1000), (0, 20))

@@ -23,20 +23,32 @@ from analysis.scenarios.scenario import (
 from analysis.scenarios.schema import KEYS, PROFILE_KEYS, STATUSES
 
 PAPER_SCENARIOS = [
-    "linear-mu0.7", "linear-mu0.8", "linear-mu0.9", "nonlinear-en1.0",
-    "nonlinear-md0-en0.3", "nonlinear-md0-en0.6", "nonlinear-md0-en0.9",
-    "nonlinear-md1-en0.0", "nonlinear-md1-en0.3", "nonlinear-md1-en0.6", "nonlinear-md1-en0.9",
-    "nonlinear-md2-en0.3", "nonlinear-md2-en0.6", "nonlinear-md2-en0.9",
+    "linear-mu0.7",
+    "linear-mu0.8",
+    "linear-mu0.9",
+    "nonlinear-en1.0",
+    "nonlinear-md0-en0.3",
+    "nonlinear-md0-en0.6",
+    "nonlinear-md0-en0.9",
+    "nonlinear-md1-en0.0",
+    "nonlinear-md1-en0.3",
+    "nonlinear-md1-en0.6",
+    "nonlinear-md1-en0.9",
+    "nonlinear-md2-en0.3",
+    "nonlinear-md2-en0.6",
+    "nonlinear-md2-en0.9",
 ]
 
 
 @pytest.fixture
 def write(tmp_path):
     """Write a scenario file and return its path."""
+
     def _write(text, name="mine.toml"):
         path = tmp_path / name
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         return path
+
     return _write
 
 
@@ -65,6 +77,7 @@ def leaf(value, unit="-", status="assumed", source="a test"):
 
 # ------------------------------------------------------------------ good files
 
+
 @pytest.mark.parametrize("profile", ["full", "demo"])
 @pytest.mark.parametrize("name", PAPER_SCENARIOS)
 def test_every_scenario_of_the_paper_loads_at_every_profile(name, profile):
@@ -78,19 +91,47 @@ def test_the_file_holds_the_scenarios_and_profiles_of_the_paper():
     assert {"full", "demo"} <= set(profile_names())
 
 
-@pytest.mark.parametrize("name, expected", [
-    ("linear-mu0.7", {"contact.model": "linear", "contact.particle_particle.friction": 0.7,
-                      "contact.particle_wall.friction": 0.7, "contact.particle_wall.normal_stiffness": 1e9,
-                      "contact.particle_wall.damping_ratio": 0.0, "time.step": 2.9e-6, "packing.bed_from": ""}),
-    ("nonlinear-en1.0", {"contact.model": "hysteretic", "contact.particle_particle.friction": 0.75,
-                         "contact.particle_wall.friction": 0.9, "contact.particle_wall.normal_stiffness": 1e8,
-                         "contact.particle_wall.damping_ratio": 0.06, "contact.particle_particle.restitution": 1.0,
-                         "time.step": 6.3e-6, "packing.bed_from": "linear-mu0.8"}),
-    ("nonlinear-md2-en0.3", {"contact.model": "hysteretic", "contact.particle_particle.damping_mode": 2,
-                             "contact.particle_particle.restitution": 0.3, "contact.particle_wall.friction": 0.9,
-                             "contact.particle_particle.shear_modulus": 35e6,
-                             "contact.particle_particle.poisson_ratio": 0.3}),
-])
+@pytest.mark.parametrize(
+    "name, expected",
+    [
+        (
+            "linear-mu0.7",
+            {
+                "contact.model": "linear",
+                "contact.particle_particle.friction": 0.7,
+                "contact.particle_wall.friction": 0.7,
+                "contact.particle_wall.normal_stiffness": 1e9,
+                "contact.particle_wall.damping_ratio": 0.0,
+                "time.step": 2.9e-6,
+                "packing.bed_from": "",
+            },
+        ),
+        (
+            "nonlinear-en1.0",
+            {
+                "contact.model": "hysteretic",
+                "contact.particle_particle.friction": 0.75,
+                "contact.particle_wall.friction": 0.9,
+                "contact.particle_wall.normal_stiffness": 1e8,
+                "contact.particle_wall.damping_ratio": 0.06,
+                "contact.particle_particle.restitution": 1.0,
+                "time.step": 6.3e-6,
+                "packing.bed_from": "linear-mu0.8",
+            },
+        ),
+        (
+            "nonlinear-md2-en0.3",
+            {
+                "contact.model": "hysteretic",
+                "contact.particle_particle.damping_mode": 2,
+                "contact.particle_particle.restitution": 0.3,
+                "contact.particle_wall.friction": 0.9,
+                "contact.particle_particle.shear_modulus": 35e6,
+                "contact.particle_particle.poisson_ratio": 0.3,
+            },
+        ),
+    ],
+)
 def test_a_scenario_has_the_values_of_the_papers_tables(name, expected):
     s = load_scenario(name)
     assert {key: s[key] for key in expected} == expected
@@ -116,7 +157,7 @@ def test_the_example_in_the_contributing_guide_works(paper, write):
     guide = SCENARIO_FILE.with_name("CONTRIBUTING.md").read_text()
     example = re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1]
     path = write(paper + "\n" + example)
-    added, = set(scenario_names(path)) - set(scenario_names())
+    (added,) = set(scenario_names(path)) - set(scenario_names())
     parent = load_scenario("nonlinear-en1.0", path=path)
     assert len(parent.differences(load_scenario(added, "demo", path=path, cycles=1000))) >= 1
 
@@ -129,12 +170,13 @@ def test_a_scenario_without_any_difference_is_the_base(paper, write):
 
 
 def test_later_layers_win_base_then_parent_then_scenario_then_profile(paper, write):
-    text = with_scenario(paper, f'base = "linear-mu0.9"\ncontact.particle_wall.friction = {leaf(0.5)}\n'
-                                f'loading.cycles = {leaf(7)}')
+    text = with_scenario(
+        paper, f'base = "linear-mu0.9"\ncontact.particle_wall.friction = {leaf(0.5)}\nloading.cycles = {leaf(7)}'
+    )
     path = write(text)
     full, demo = load_scenario("mine", path=path), load_scenario("mine", "demo", path=path)
-    assert full["contact.particle_particle.friction"] == 0.9         # of the parent, not of base (0.8)
-    assert full["contact.particle_wall.friction"] == 0.5             # its own, not the parent's
+    assert full["contact.particle_particle.friction"] == 0.9  # of the parent, not of base (0.8)
+    assert full["contact.particle_wall.friction"] == 0.5  # its own, not the parent's
     assert (full["loading.cycles"], demo["loading.cycles"]) == (7, 5)
     assert load_scenario("mine", "demo", path=path, cycles=3)["loading.cycles"] == 3
 
@@ -167,14 +209,17 @@ def test_a_scenario_survives_its_json_form():
 
 
 def test_the_loader_needs_the_standard_library_only():
-    code = ("import sys; sys.path.insert(0, '.'); from analysis.scenarios import derived, lattice, scenario; "
-            "lattice.lattice_bed(scenario.load_scenario('linear-mu0.8', 'demo'), 1)")
+    code = (
+        "import sys; sys.path.insert(0, '.'); from analysis.scenarios import derived, lattice, scenario; "
+        "lattice.lattice_bed(scenario.load_scenario('linear-mu0.8', 'demo'), 1)"
+    )
     # -S leaves out site-packages
     done = subprocess.run([sys.executable, "-S", "-c", code], cwd=SCENARIO_FILE.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
 # ------------------------------------------------------------------ bad files
+
 
 def _base(key, value):
     return lambda text: changed(text, key, value)
@@ -192,6 +237,7 @@ def _replace(old, new):
     def edit(text):
         assert old in text
         return text.replace(old, new, 1)
+
     return edit
 
 
@@ -208,39 +254,48 @@ BAD = {
     "missing key": (_replace("clump]\nball_radius", "clump]\n#ball_radius"), ["base.clump.ball_radius", "missing"]),
     "misspelt key": (
         _entry(f"{PP}.fricton", leaf(0.5)),
-        [f"scenario.mine.{PP}.fricton", "perhaps contact.particle_particle.friction"]),
+        [f"scenario.mine.{PP}.fricton", "perhaps contact.particle_particle.friction"],
+    ),
     "unknown table": (_entry("weather.rain", leaf(1)), ["scenario.mine.weather.rain", "a known key"]),
     "empty unknown table": (lambda t: t + "\n[scenario.mine.contcat]\n", ["scenario.mine.contcat", "a known key"]),
     "bare value": (
         _entry(f"{PP}.friction", "0.5"),
-        [f"{PP}.friction", "0.5", "exactly value, unit, status and source"]),
+        [f"{PP}.friction", "0.5", "exactly value, unit, status and source"],
+    ),
     "no source": (
         _entry(f"{PP}.friction", '{ value = 0.5, unit = "-", status = "assumed" }'),
-        [f"{PP}.friction", "exactly value, unit, status and source"]),
+        [f"{PP}.friction", "exactly value, unit, status and source"],
+    ),
     "no value": (
         _entry(f"{PP}.friction", '{ unit = "-", status = "assumed", source = "x" }'),
-        [f"{PP}.friction", "exactly value, unit, status and source"]),
+        [f"{PP}.friction", "exactly value, unit, status and source"],
+    ),
     "extra field": (
         _entry(f"{PP}.friction", '{ value = 0.5, unit = "-", status = "assumed", source = "x", note = "y" }'),
-        [f"{PP}.friction", "exactly value"]),
+        [f"{PP}.friction", "exactly value"],
+    ),
     "empty source": (_entry(f"{PP}.friction", leaf(0.5, source=" ")), [f"{PP}.friction.source", "not empty"]),
     "unknown status": (
         _entry(f"{PP}.friction", leaf(0.5, status="guessed")),
-        [f"{PP}.friction.status", "guessed", "reported, derived, assumed, calibrated"]),
+        [f"{PP}.friction.status", "guessed", "reported, derived, assumed, calibrated"],
+    ),
     "wrong unit": (_entry("clump.ball_radius", leaf(18.5, unit="mm")), ["clump.ball_radius.unit", "mm", '"m"']),
     "scenario is no table": (
         lambda t: t.replace("[base.geometry]", "scenario.mine = 5\n[base.geometry]"),
-        ["scenario.mine", "5", "a table"]),
+        ["scenario.mine", "5", "a table"],
+    ),
     "title is no text": (lambda t: t + "\n[scenario.mine]\ntitle = 5\n", ["scenario.mine.title", "5", "a text"]),
     "base is no text": (_mine("base = 5"), ["scenario.mine.base", "5", "a text"]),
     "base is unknown": (_mine('base = "nonlinear"'), ["scenario.mine.base", "nonlinear", "nonlinear-en1.0"]),
     "bases go in a circle": (
         lambda t: with_scenario(t, 'base = "other"') + '\n[scenario.other]\nbase = "mine"\n',
-        ["scenario.other.base", "mine", "without a circle"]),
+        ["scenario.other.base", "mine", "without a circle"],
+    ),
     "name is a path": (lambda t: with_scenario(t, "") + '\n[scenario."../up"]\n', ["../up", "letters, digits"]),
     "profile changes physics": (
         lambda t: t + f"\n[profile.full.contact.particle_particle]\nfriction = {leaf(0.5)}\n",
-        [f"profile.full.{PP}.friction", "0.5", "size and length only", *PROFILE_KEYS]),
+        [f"profile.full.{PP}.friction", "0.5", "size and length only", *PROFILE_KEYS],
+    ),
     # types
     "text for a number": (_entry("time.step", leaf('"fast"', unit="s")), ["time.step.value", "fast", "a number"]),
     "number for a text": (_entry("contact.model", leaf(1)), ["contact.model.value", "1", "linear, hysteretic"]),
@@ -248,111 +303,143 @@ BAD = {
     "fraction for a count": (_entry("loading.cycles", leaf(10.5)), ["loading.cycles.value", "10.5", "a whole number"]),
     "number for a list": (
         _entry(f"{G}.measurement_x", leaf(0.4, unit="m")),
-        [f"{G}.measurement_x.value", "0.4", "a list of numbers"]),
+        [f"{G}.measurement_x.value", "0.4", "a list of numbers"],
+    ),
     "empty list": (_entry("output.keep_beds", leaf("[]")), ["output.keep_beds.value", "[]", "a list of whole numbers"]),
     "fraction in a list of counts": (
         _entry("output.keep_beds", leaf("[1, 2.5]")),
-        ["output.keep_beds.value", "2.5", "whole numbers"]),
+        ["output.keep_beds.value", "2.5", "whole numbers"],
+    ),
     "text in a list": (
         _entry(f"{P}.relax_stiffness", leaf('[0.1, "one"]')),
-        [f"{P}.relax_stiffness.value", "one", "a list of numbers"]),
+        [f"{P}.relax_stiffness.value", "one", "a list of numbers"],
+    ),
     "date for a number": (
         _entry("time.step", leaf("2021-11-06", unit="s")),
-        ["time.step.value", "2021-11-06", "a number"]),
+        ["time.step.value", "2021-11-06", "a number"],
+    ),
     # limits
     "negative time step": (_entry("time.step", leaf("-1e-6", unit="s")), ["time.step.value", "-1e-06", "> 0"]),
     "zero time step": (_entry("time.step", leaf("0.0", unit="s")), ["time.step.value", "0.0", "> 0"]),
     "not a number": (
         _entry("clump.density", leaf("nan", unit="kg/m3")),
-        ["clump.density.value", "NaN", "a number > 0"]),
+        ["clump.density.value", "NaN", "a number > 0"],
+    ),
     "infinite": (
         _entry(f"{PP}.shear_modulus", leaf("inf", unit="Pa")),
-        [f"{PP}.shear_modulus.value", "Infinity", "a number > 0"]),
+        [f"{PP}.shear_modulus.value", "Infinity", "a number > 0"],
+    ),
     "too large for a double": (
         _entry(f"{PP}.shear_modulus", leaf("1" + "0" * 400, unit="Pa")),
-        [f"{PP}.shear_modulus.value", "a number > 0"]),
+        [f"{PP}.shear_modulus.value", "a number > 0"],
+    ),
     "negative friction": (_entry(f"{PP}.friction", leaf(-0.1)), [f"{PP}.friction.value", "-0.1", ">= 0"]),
     "restitution above one": (_entry(f"{PP}.restitution", leaf(1.1)), [f"{PP}.restitution.value", "1.1", "<= 1"]),
     "incompressible": (_entry(f"{PP}.poisson_ratio", leaf(0.5)), [f"{PP}.poisson_ratio.value", "0.5", "<= 0.49"]),
     "unknown damping mode": (
         _entry(f"{PP}.damping_mode", leaf(3)),
-        [f"{PP}.damping_mode.value", "3", "one of 0, 1, 2"]),
+        [f"{PP}.damping_mode.value", "3", "one of 0, 1, 2"],
+    ),
     "unknown contact model": (
         _entry("contact.model", leaf('"hertz"')),
-        ["contact.model.value", "hertz", "one of linear, hysteretic"]),
+        ["contact.model.value", "hertz", "one of linear, hysteretic"],
+    ),
     "unknown plate law": (
         _entry("load_control.plate_law", leaf('"servo"')),
-        ["load_control.plate_law.value", "servo", "one of force, pfc, fixed"]),
+        ["load_control.plate_law.value", "servo", "one of force, pfc, fixed"],
+    ),
     "aspect of two separate balls": (_entry("clump.aspect", leaf(2.5)), ["clump.aspect.value", "2.5", "<= 2"]),
     "aspect of one ball": (_entry("clump.aspect", leaf(1.0)), ["clump.aspect.value", "1.0", "> 1"]),
     "zero cycles": (_entry("loading.cycles", leaf(0)), ["loading.cycles.value", "0", "> 0"]),
     "too few output rows": (_entry("output.rows_per_cycle", leaf(16)), ["output.rows_per_cycle.value", "16", ">= 40"]),
     "box wider than the box": (
         lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(1.5)}\n",
-        ["geometry.width_scale.value", "1.5", "<= 1"]),
+        ["geometry.width_scale.value", "1.5", "<= 1"],
+    ),
     # impossible together
     "singular damping": (
         _mine(f'base = "nonlinear-en1.0"\n{PP}.damping_mode = {leaf(0)}\n{PP}.restitution = {leaf("0.0")}'),
-        [f"{PP}.restitution", "0.0", "singular"]),
+        [f"{PP}.restitution", "0.0", "singular"],
+    ),
     "load falls where it should rise": (
         _entry("loading.stress_max", leaf(40e3, unit="Pa")),
-        ["loading.stress_max", "40000.0", "> loading.stress_min = 50000"]),
+        ["loading.stress_max", "40000.0", "> loading.stress_min = 50000"],
+    ),
     "preload is not the least load": (
         _entry("preload.sleeper_stress", leaf(60e3, unit="Pa")),
-        ["preload.sleeper_stress", "60000.0", "loading.stress_min"]),
+        ["preload.sleeper_stress", "60000.0", "loading.stress_min"],
+    ),
     "sleeper longer than the box": (
         _entry(f"{G}.sleeper_length", leaf(0.9, unit="m")),
-        [f"{G}.sleeper_length", "0.9", "<= geometry.box_length"]),
+        [f"{G}.sleeper_length", "0.9", "<= geometry.box_length"],
+    ),
     "sleeper as wide as the box": (
         _entry(f"{G}.sleeper_width", leaf(0.6, unit="m")),
-        [f"{G}.sleeper_width", "0.6", "< geometry.box_width"]),
+        [f"{G}.sleeper_width", "0.6", "< geometry.box_width"],
+    ),
     "sleeper above the box": (
         _entry(f"{G}.sleeper_height", leaf(0.2, unit="m")),
-        [f"{G}.sleeper_height", "0.2", "not above the box"]),
+        [f"{G}.sleeper_height", "0.2", "not above the box"],
+    ),
     "plate outside the box": (
         _entry(f"{G}.plate_height", leaf(0.1, unit="m")),
-        [f"{G}.plate_height", "0.1", "inside the box"]),
+        [f"{G}.plate_height", "0.1", "inside the box"],
+    ),
     "clumps fall through the plates' gap": (
-        _mine(f"{G}.plate_gap = {leaf(0.01, unit='m')}\nclump.ball_radius = {leaf(0.006, unit='m')}\n"
-              f"{P}.lattice_radius = {leaf(0.00375, unit='m')}"),
-        [f"{G}.plate_gap", "0.01", "radius"]),
+        _mine(
+            f"{G}.plate_gap = {leaf(0.01, unit='m')}\nclump.ball_radius = {leaf(0.006, unit='m')}\n"
+            f"{P}.lattice_radius = {leaf(0.00375, unit='m')}"
+        ),
+        [f"{G}.plate_gap", "0.01", "radius"],
+    ),
     "measurement sphere outside the box": (
         _entry(f"{G}.measurement_x", leaf("[0.1, 0.4, 0.666]", unit="m")),
-        [f"{G}.measurement_x", "0.1", "inside the box"]),
+        [f"{G}.measurement_x", "0.1", "inside the box"],
+    ),
     "two measurement spheres": (
         _entry(f"{G}.measurement_x", leaf("[0.2, 0.6]", unit="m")),
-        [f"{G}.measurement_x", "three values"]),
+        [f"{G}.measurement_x", "three values"],
+    ),
     "measurement sphere in the sleeper": (
         _entry(f"{G}.measurement_z", leaf(0.25, unit="m")),
-        [f"{G}.measurement_z", "0.25", "between floor and sleeper base"]),
+        [f"{G}.measurement_z", "0.25", "between floor and sleeper base"],
+    ),
     "growth misses the ball": (_entry(f"{P}.growth", leaf(1.5)), [f"{P}.growth", "1.5", "0.0185"]),
     "relaxation ends soft": (_entry(f"{P}.relax_stiffness", leaf("[0.1, 0.5]")), [f"{P}.relax_stiffness", "end at 1"]),
     "porosity of nothing": (
         _entry(f"{P}.lattice_gap", leaf("0.0", unit="m")),
-        [f"{P}.lattice_gap", "0.0", "more than the whole box"]),
+        [f"{P}.lattice_gap", "0.0", "more than the whole box"],
+    ),
     "porosity of one": (
         _entry(f"{P}.lattice_gap", leaf(0.9, unit="m")),
-        [f"{P}.lattice_gap", "0.9", "at most 0.6, here 1"]),
+        [f"{P}.lattice_gap", "0.9", "at most 0.6, here 1"],
+    ),
     "no clump fits the slice": (
         lambda t: t + f"\n[profile.full.geometry]\nwidth_scale = {leaf(0.05)}\n",
-        ["geometry.width_scale", "0.05", "one clump"]),
+        ["geometry.width_scale", "0.05", "one clump"],
+    ),
     "rows and blocks do not meet": (
         _entry("output.rows_per_cycle", leaf(50)),
-        ["output.rows_per_cycle", "50", "a multiple of"]),
+        ["output.rows_per_cycle", "50", "a multiple of"],
+    ),
     "step above the critical one": (_entry("time.step", leaf(2e-5, unit="s")), ["time.step", "2e-05", "critical"]),
     "rounding makes the step critical": (
         _mine(f"loading.frequency = {leaf('900.0', unit='Hz')}\ntime.step = {leaf(1.66e-5, unit='s')}"),
-        ["time.step", "1.66e-05", "critical"]),
+        ["time.step", "1.66e-05", "critical"],
+    ),
     "bed of an unknown scenario": (
         _entry(f"{P}.bed_from", leaf('"linear"')),
-        [f"{P}.bed_from", "linear", "linear-mu0.8"]),
+        [f"{P}.bed_from", "linear", "linear-mu0.8"],
+    ),
     "bed of itself": (_entry(f"{P}.bed_from", leaf('"mine"')), [f"{P}.bed_from", "mine", "another scenario"]),
     "bed of a scenario that makes none": (
         _entry(f"{P}.bed_from", leaf('"nonlinear-en1.0"')),
-        [f"{P}.bed_from", "nonlinear-en1.0", "packs its own bed"]),
+        [f"{P}.bed_from", "nonlinear-en1.0", "packs its own bed"],
+    ),
     "bed of other clumps": (
         _mine(f'base = "nonlinear-en1.0"\nclump.aspect = {leaf(1.5)}'),
-        [f"{P}.bed_from", "linear-mu0.8", "clump.aspect"]),
+        [f"{P}.bed_from", "linear-mu0.8", "clump.aspect"],
+    ),
 }
 
 
@@ -378,14 +465,19 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
 def test_a_scenario_whose_name_lacks_its_quotes_is_told_so(tmp_path):
     path = tmp_path / "s.toml"
     path.write_text(SCENARIO_FILE.read_text() + '\n[scenario.linear-mu0.6]\nbase = "linear-mu0.8"\n')
-    with pytest.raises(ScenarioError, match=r's\.toml: scenario\.linear-mu0\.6: put the name in quotes, \[scenario\."linear'):
+    with pytest.raises(
+        ScenarioError, match=r's\.toml: scenario\.linear-mu0\.6: put the name in quotes, \[scenario\."linear'
+    ):
         load_scenario("linear-mu0.6", path=path)
 
 
-@pytest.mark.parametrize("name, profile, message", [
-    ("linear", "full", "scenario 'linear' is unknown, perhaps linear-mu0."),
-    ("linear-mu0.8", "tiny", "profile 'tiny' is unknown; known: full, demo"),
-])
+@pytest.mark.parametrize(
+    "name, profile, message",
+    [
+        ("linear", "full", "scenario 'linear' is unknown, perhaps linear-mu0."),
+        ("linear-mu0.8", "tiny", "profile 'tiny' is unknown; known: full, demo"),
+    ],
+)
 def test_an_unknown_scenario_or_profile_is_answered_by_the_known_ones(name, profile, message):
     with pytest.raises(ScenarioError) as caught:
         load_scenario(name, profile)
@@ -399,6 +491,7 @@ def test_impossible_cycles_on_the_command_line_are_refused(cycles):
 
 
 # ------------------------------------------------------------------ what follows from a scenario
+
 
 def with_aspect(aspect):
     s = load_scenario("linear-mu0.8")
@@ -429,11 +522,14 @@ def test_clump_mass_volume_and_inertia_are_those_of_the_union(aspect):
     assert c.volume_m3 == pytest.approx(4 / 3 * math.pi * 0.0185**3, rel=1e-12)
 
 
-@pytest.mark.parametrize("aspect, radius_mm, axial, transverse", [
-    (1.875, 14.739, 6.0465e-6, 1.76519e-5),
-    (1.75, 14.900, 6.2959e-6, 1.53378e-5),
-    (1.5, 15.539, 7.0764e-6, 1.22797e-5),
-])
+@pytest.mark.parametrize(
+    "aspect, radius_mm, axial, transverse",
+    [
+        (1.875, 14.739, 6.0465e-6, 1.76519e-5),
+        (1.75, 14.900, 6.2959e-6, 1.53378e-5),
+        (1.5, 15.539, 7.0764e-6, 1.22797e-5),
+    ],
+)
 def test_clumps_have_the_published_radius_and_inertia(aspect, radius_mm, axial, transverse):
     c = derived.clump(with_aspect(aspect))
     assert c.radius_m * 1e3 == pytest.approx(radius_mm, abs=5e-4)
@@ -451,7 +547,7 @@ def test_a_cycle_has_the_papers_steps_to_one_per_cent_and_divides_into_rows_and_
     assert grid.steps_per_row * s["output.rows_per_cycle"] == grid.steps_per_cycle
     assert grid.steps_per_block * s["output.blocks_per_cycle"] == grid.steps_per_cycle
     assert grid.steps_per_block % grid.steps_per_row == 0
-    assert grid.steps_per_cycle % (2 * grid.steps_per_row) == 0     # peak load falls on a row
+    assert grid.steps_per_cycle % (2 * grid.steps_per_row) == 0  # peak load falls on a row
 
 
 def test_loads_and_volumes_of_the_full_apparatus():
@@ -478,11 +574,14 @@ def test_the_demo_slice_narrows_box_sleeper_plates_and_control_in_one_ratio():
     a, b, scale = derived.apparatus(full), derived.apparatus(demo), demo["geometry.width_scale"]
     assert 0 < scale < 1
     assert b.width_m == pytest.approx(scale * a.width_m) and (b.length_m, b.height_m) == (a.length_m, a.height_m)
-    for small, large in ((b.sleeper_area_m2, a.sleeper_area_m2), (b.plate_area_m2, a.plate_area_m2),
-                         (b.ballast_volume_m3, a.ballast_volume_m3),
-                         (b.sleeper.high[1] - b.sleeper.low[1], a.sleeper.high[1] - a.sleeper.low[1])):
+    for small, large in (
+        (b.sleeper_area_m2, a.sleeper_area_m2),
+        (b.plate_area_m2, a.plate_area_m2),
+        (b.ballast_volume_m3, a.ballast_volume_m3),
+        (b.sleeper.high[1] - b.sleeper.low[1], a.sleeper.high[1] - a.sleeper.low[1]),
+    ):
         assert small == pytest.approx(scale * large)
-    assert b.sleeper.low[1] + b.sleeper.high[1] == pytest.approx(b.width_m)       # centred
+    assert b.sleeper.low[1] + b.sleeper.high[1] == pytest.approx(b.width_m)  # centred
     assert {k: pytest.approx(scale * v) for k, v in derived.load_control(full).items()} == derived.load_control(demo)
 
 
@@ -507,8 +606,14 @@ def test_lattice_clumps_lie_inside_the_box_clear_of_the_sleeper_and_depend_on_th
 
 def test_lattice_orientations_favour_no_direction():
     q = np.array(lattice_bed(load_scenario("linear-mu0.8"), 1))[:, 3:]
-    axis = np.stack([2 * (q[:, 1] * q[:, 3] + q[:, 0] * q[:, 2]), 2 * (q[:, 2] * q[:, 3] - q[:, 0] * q[:, 1]),
-                     1 - 2 * (q[:, 1] ** 2 + q[:, 2] ** 2)], axis=1)
+    axis = np.stack(
+        [
+            2 * (q[:, 1] * q[:, 3] + q[:, 0] * q[:, 2]),
+            2 * (q[:, 2] * q[:, 3] - q[:, 0] * q[:, 1]),
+            1 - 2 * (q[:, 1] ** 2 + q[:, 2] ** 2),
+        ],
+        axis=1,
+    )
     fabric = axis.T @ axis / len(axis)
     assert fabric == pytest.approx(np.eye(3) / 3, abs=4 * math.sqrt(4 / 45 / len(axis)))
 

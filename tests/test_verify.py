@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # ------------------------------------------------------------------ the table
 
+
 def test_a_row_passes_within_its_tolerance_only():
     sheet = Sheet("liggghts")
     sheet.compare("case", "a", 2.0, 2.01, 0.0051)
@@ -48,8 +49,18 @@ def test_the_table_has_the_promised_columns(tmp_path):
     write_rows(tmp_path / "verification.csv", sheet.rows)
     with open(tmp_path / "verification.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["code", "case", "quantity", "expected", "measured", "abs_error", "rel_error", "tolerance",
-                             "passed", "reason"]
+    assert list(rows[0]) == [
+        "code",
+        "case",
+        "quantity",
+        "expected",
+        "measured",
+        "abs_error",
+        "rel_error",
+        "tolerance",
+        "passed",
+        "reason",
+    ]
     assert [row["passed"] for row in rows] == ["true", "false"]
     assert rows[0]["reason"] == 'with "quotes", commas'
 
@@ -60,7 +71,11 @@ def test_curves_are_written_per_case_and_code(tmp_path):
     sheet.curve("path", "spheres", step=[1], force_N=[3.0], force_N_expected=[3.0])
     sheet.write_curves(tmp_path)
     assert (tmp_path / "path_yade.csv").read_text().splitlines() == [
-        "series,step,force_N,force_N_expected", "wall,1,1,1", "wall,2,2,2.1", "spheres,1,3,3"]
+        "series,step,force_N,force_N_expected",
+        "wall,1,1,1",
+        "wall,2,2,2.1",
+        "spheres,1,3,3",
+    ]
 
 
 # ------------------------------------------------------------------ impact files
@@ -92,7 +107,7 @@ BAD = [
     ('radius = { value = 0.01, unit = "m" }', "radius = 0.01", "value and unit"),
     ('motion = { value = "held", unit = "-" }', 'shear_modulus = { value = 1e7, unit = "Pa" }', "of both bodies"),
     ("[impact]", '[impact]\nagainst = { value = "wall", unit = "-" }', "no body_2"),
-    ("friction = { value = 0.3", "restitution = { value = 0.0, unit = \"-\" }\ndamping_mode = { value = 0", "singular"),
+    ("friction = { value = 0.3", 'restitution = { value = 0.0, unit = "-" }\ndamping_mode = { value = 0', "singular"),
     ("[body_1]", "[body_1", "not valid TOML"),
 ]
 
@@ -109,9 +124,9 @@ def test_impact_file(tmp_path):
     assert first.radius == 0.01 and first.mass == pytest.approx(3000 * 4 / 3 * math.pi * 1e-6)
     assert first.velocity == pytest.approx((2 * math.sin(math.pi / 3), 0, -1.0)) and first.spin == (0, 5, 0)
     clump = derived.clump(load_scenario("linear-mu0.8", "full"))
-    assert second.held and second.radius == clump.radius_m      # as nothing else is said
+    assert second.held and second.radius == clump.radius_m  # as nothing else is said
     assert case.scenario["contact.particle_particle.friction"] == 0.3
-    assert case.scenario["contact.particle_particle.restitution"] == 0.6            # from the base
+    assert case.scenario["contact.particle_particle.restitution"] == 0.6  # from the base
     assert case.normal_speed == pytest.approx(1.0)
 
 
@@ -138,6 +153,7 @@ def test_missing_impact_file(tmp_path, capsys):
 
 # ------------------------------------------------------------------ cases without an engine
 
+
 def test_head_on_measures_of_a_known_motion():
     """`measure` on a half sine: peak, duration between the crossings, restitution."""
     scenario = load_scenario("linear-mu0.8")
@@ -147,8 +163,9 @@ def test_head_on_measures_of_a_known_motion():
     omega = math.sqrt(law.normal_stiffness / law.mass)
     touch, leave = 20.4 * probe.step, 20.4 * probe.step + math.pi / omega
     inside = (time > touch) & (time < leave)
-    overlap = np.where(inside,
-                       np.sin(omega * (time - touch)) / omega, np.where(time < touch, time - touch, leave - time))
+    overlap = np.where(
+        inside, np.sin(omega * (time - touch)) / omega, np.where(time < touch, time - touch, leave - time)
+    )
     speed = np.where(time < touch, -1.0, np.where(inside, -np.cos(omega * (time - touch)), 0.7))
     position, velocity, force, none = (np.zeros((len(time), 1, 3)) for _ in range(4))
     position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
@@ -166,7 +183,7 @@ def test_path_reaches_every_branch():
     for probe in case.probes():
         overlap, closing, sliding, _, _ = case.geometry(probe)
         inside = overlap > 0
-        assert not inside[0] and inside[2]                                  # closes within the first step or the second
+        assert not inside[0] and inside[2]  # closes within the first step or the second
         assert (np.diff(inside.astype(int)) == 1).sum() == 2 and (np.diff(inside.astype(int)) == -1).sum() == 1
         assert inside[-1] and sliding.min() < 0 < sliding.max()
 
@@ -184,6 +201,7 @@ def test_mutations_fit_the_source(tmp_path, mutation):
 
 # ------------------------------------------------------------------ cases in the engines
 
+
 @pytest.mark.parametrize("code", engines.CODES)
 def test_path_and_wall_dashpot(code, tmp_path):
     sheet, _ = verify.verify([code], tmp_path, ["path", "wall-dashpot"])
@@ -194,19 +212,21 @@ def test_path_and_wall_dashpot(code, tmp_path):
 @pytest.mark.parametrize("code", engines.CODES)
 def test_impact_command(code, tmp_path):
     """A nearly head-on impact by file gives the restitution of its law and conserves momentum."""
-    path = write(tmp_path,
-                 GOOD.replace("60.0", "3.0").replace('motion = { value = "held", unit = "-" }',
-                                                      'radius = { value = 0.02, unit = "m" }'))
+    path = write(
+        tmp_path,
+        GOOD.replace("60.0", "3.0").replace(
+            'motion = { value = "held", unit = "-" }', 'radius = { value = 0.02, unit = "m" }'
+        ),
+    )
     done = subprocess.run(
-        [sys.executable, "-m", "analysis", "impact",
-         str(path), "--code", code, "--out",
-         str(tmp_path)],
+        [sys.executable, "-m", "analysis", "impact", str(path), "--code", code, "--out", str(tmp_path)],
         cwd=ROOT,
         capture_output=True,
-        text=True)
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "case.csv", newline="") as file:
-        row, = csv.DictReader(file)
+        (row,) = csv.DictReader(file)
     assert float(row["restitution"]) == pytest.approx(float(row["expected_restitution"]), rel=0.005)
     first, second = impact.read_impact(path).balls
     momentum = first.mass * float(row["velocity_1_z_m_s"]) + second.mass * float(row["velocity_2_z_m_s"])

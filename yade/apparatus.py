@@ -26,18 +26,20 @@ class Apparatus:
 def build(box, material: str, mask: int) -> Apparatus:
     """Make the walls of `box`: floor, end and side planes, then sleeper, plates and fixed wall as boxes."""
     utilities = {"material": material, "mask": mask}
-    O.bodies.append([
-        utils.wall(0.0, axis=0, sense=1, **utilities),
-        utils.wall(0.0, axis=1, sense=1, **utilities),
-        utils.wall(box.width_m, axis=1, sense=-1, **utilities),
-        utils.wall(0.0, axis=2, sense=1, **utilities),
-    ])
+    O.bodies.append(
+        [
+            utils.wall(0.0, axis=0, sense=1, **utilities),
+            utils.wall(0.0, axis=1, sense=1, **utilities),
+            utils.wall(box.width_m, axis=1, sense=-1, **utilities),
+            utils.wall(0.0, axis=2, sense=1, **utilities),
+        ]
+    )
     for block in (box.sleeper, *box.plates, box.fixed_wall):
         centre = [(low + high) / 2 for low, high in zip(block.low, block.high)]
         half = [(high - low) / 2 for low, high in zip(block.low, block.high)]
         O.bodies.append(utils.box(centre, half, fixed=True, **utilities))
     for body in O.bodies:
-        body.state.mass = 0.0           # the dashpot of a wall contact knows the clump's mass only
+        body.state.mass = 0.0  # the dashpot of a wall contact knows the clump's mass only
         body.state.isDamped = False
     return Apparatus.of(box)
 

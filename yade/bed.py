@@ -53,8 +53,11 @@ class Bed:
         clump, masses = self.clump, []
         for number, centre, orientation in read_bed(path):
             half = orientation * Vector3(0, 0, clump.half_distance_m)
-            members = [utils.sphere(centre + side * half, clump.radius_m, material=material, mask=mask)
-                       for material, mask in shells for side in (-1, 1)]
+            members = [
+                utils.sphere(centre + side * half, clump.radius_m, material=material, mask=mask)
+                for material, mask in shells
+                for side in (-1, 1)
+            ]
             identity, ids = O.bodies.appendClumped(members, discretization=0)
             body = O.bodies[identity]
             # YADE counts the overlap twice: put in the exact values. The axial moment is the smallest of the three.
@@ -65,7 +68,7 @@ class Bed:
             # YADE turns the body frame to principal axes of its own choice; refOri keeps the turn back to ours.
             body.state.refOri = body.state.ori.conjugate() * orientation
             for i in ids:
-                O.bodies[i].state.mass = clump.mass_kg      # the dashpot's mass is the whole clump's
+                O.bodies[i].state.mass = clump.mass_kg  # the dashpot's mass is the whole clump's
             masses.append(number)
         self.numbers += masses
         self._find_bodies()

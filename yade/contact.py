@@ -10,13 +10,30 @@ from __future__ import annotations
 
 import math
 
-from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, FrictMat, FrictViscoMat, FrictViscoPhys,
-                          Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
-                          InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-                          Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
-                          Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys, Ip2_PartialSatMat_PartialSatMat_MindlinPhys,
-                          Law2_ScGeom_FrictPhys_CundallStrack, Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
-                          Law2_ScGeom_MindlinPhys_Mindlin, MatchMaker, MindlinPhys, Omega, PartialSatMat)
+from yade.wrapper import (
+    Bo1_Box_Aabb,
+    Bo1_Sphere_Aabb,
+    Bo1_Wall_Aabb,
+    FrictMat,
+    FrictViscoMat,
+    FrictViscoPhys,
+    Ig2_Box_Sphere_ScGeom,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Wall_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
+    Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
+    Ip2_PartialSatMat_PartialSatMat_MindlinPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
+    Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
+    Law2_ScGeom_MindlinPhys_Mindlin,
+    MatchMaker,
+    MindlinPhys,
+    Omega,
+    PartialSatMat,
+)
 
 from analysis import laws
 
@@ -84,8 +101,10 @@ class ContactLaw:
     def set_stiffness(self, fraction: float) -> None:
         """Use this fraction of the linear contacts' stiffness from now on, in old and new contacts."""
         s = self.scenario
-        (kn, ks), (wall_kn, wall_ks) = ([s[f"contact.{pair}.{way}_stiffness"] * fraction for way in ("normal", "shear")]
-                                        for pair in ("particle_particle", "particle_wall"))
+        (kn, ks), (wall_kn, wall_ks) = (
+            [s[f"contact.{pair}.{way}_stiffness"] * fraction for way in ("normal", "shear")]
+            for pair in ("particle_particle", "particle_wall")
+        )
         for functor in self._functors:
             if isinstance(functor, Ip2_PartialSatMat_PartialSatMat_MindlinPhys):
                 continue
@@ -110,19 +129,33 @@ class ContactLaw:
                 i.phys.tangensOfFrictionAngle = wall if self._is_wall(i) else particle
 
     def _is_wall(self, interaction) -> bool:
-        return O.bodies[interaction.id1].material.id == self.wall     # YADE puts the wall first
+        return O.bodies[interaction.id1].material.id == self.wall  # YADE puts the wall first
 
     def engines(self) -> list:
         """Collider and contact loop."""
         return [
-            InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb()], verletDist=VERLET_DISTANCE,
-                                  targetInterv=SAME_REACH, avoidSelfInteractionMask=MEETS_WALLS, label="collider"),
+            InsertionSortCollider(
+                [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb()],
+                verletDist=VERLET_DISTANCE,
+                targetInterv=SAME_REACH,
+                avoidSelfInteractionMask=MEETS_WALLS,
+                label="collider",
+            ),
             # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS.
-            InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), Ig2_Box_Sphere_ScGeom(),
-                             Ig2_Wall_Sphere_ScGeom(noRatch=False)],
-                            self._functors,
-                            [Law2_ScGeom_FrictPhys_CundallStrack(), Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(),
-                             Law2_ScGeom_MindlinPhys_Mindlin()], label="contacts"),
+            InteractionLoop(
+                [
+                    Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False),
+                    Ig2_Box_Sphere_ScGeom(),
+                    Ig2_Wall_Sphere_ScGeom(noRatch=False),
+                ],
+                self._functors,
+                [
+                    Law2_ScGeom_FrictPhys_CundallStrack(),
+                    Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(),
+                    Law2_ScGeom_MindlinPhys_Mindlin(),
+                ],
+                label="contacts",
+            ),
         ]
 
 
@@ -141,7 +174,8 @@ def deviations(scenario) -> list[str]:
             found.append(
                 "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its "
                 f"viscous Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free "
-                f"impact at nominal e_n = {scenario['contact.particle_particle.restitution']:g}.")
+                f"impact at nominal e_n = {scenario['contact.particle_particle.restitution']:g}."
+            )
             found.append("The slip limit between particles includes the viscous part of the normal force.")
     elif scenario["contact.particle_particle.damping_ratio"] > 0:
         found.append("The slip limit between particles includes the dashpot's force.")

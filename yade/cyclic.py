@@ -11,14 +11,14 @@ from pathlib import Path
 
 from yade.wrapper import Omega
 
-ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
+ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
-import stage                                            # noqa: E402
-from bed import Bed                                     # noqa: E402
-from contact import SAME_REACH                          # noqa: E402
-from load_control import LoadControl                    # noqa: E402
-from state import write_contacts                        # noqa: E402
+import stage  # noqa: E402
+from bed import Bed  # noqa: E402
+from contact import SAME_REACH  # noqa: E402
+from load_control import LoadControl  # noqa: E402
+from state import write_contacts  # noqa: E402
 
 O = Omega()
 
@@ -29,7 +29,7 @@ def load(run: stage.Stage, checkpoint: Path) -> None:
         O.load(str(checkpoint))
     except RuntimeError:
         raise stage.StageError(f"cyclic: {checkpoint.name} cannot be read; start from an earlier checkpoint") from None
-    run.collider.targetInterv = SAME_REACH              # for checkpoints that older versions wrote
+    run.collider.targetInterv = SAME_REACH  # for checkpoints that older versions wrote
     s = run.scenario
     run.step = int(O.tags["step"])
     run.bed = Bed(s, json.loads(O.tags["clumps"]))

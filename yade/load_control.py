@@ -18,8 +18,9 @@ from analysis.scenarios import derived
 from apparatus import Apparatus
 
 O = Omega()
-COLUMNS = ("step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,"
-           "sleeper_displacement_m")
+COLUMNS = (
+    "step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,sleeper_displacement_m"
+)
 PLATE_COLUMNS = ",plate_{0}_stress_Pa,plate_{0}_stress_mean_Pa,plate_{0}_displacement_m"
 
 
@@ -58,8 +59,10 @@ class LoadControl:
         ids, grid = Apparatus.of(box), derived.time_grid(scenario)
         self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
         self.sleeper = Wall(scenario, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
-        self.plates = [Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
-                       for body, block in zip(ids.plates, box.plates)]
+        self.plates = [
+            Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
+            for body, block in zip(ids.plates, box.plates)
+        ]
         self.walls = [self.sleeper, *self.plates]
         self.n, self.count, self.error, self.rows = 0, 0, 0.0, []
         self.recent = deque(maxlen=max(1, math.ceil(scenario["preload.averaging_time"] / (self.dt * self.per_row))))
@@ -68,7 +71,7 @@ class LoadControl:
             self.n = memory["n"]
             for wall, contacts in zip(self.walls, memory["contacts"]):
                 wall.contacts = contacts
-        __main__.load_control_step = self.step      # where PyRunner looks names up
+        __main__.load_control_step = self.step  # where PyRunner looks names up
 
     @staticmethod
     def engine() -> PyRunner:
@@ -135,14 +138,22 @@ class LoadControl:
         if n % s["load_control.pfc_update_interval"] == 0:
             count = sum(1 for i in O.bodies[wall.body].intrs() if i.isReal)
             wall.contacts = max(count, s["load_control.pfc_contact_floor"])
-        v = s["load_control.pfc_gain"] * (target - wall.force) / (
-            s["contact.particle_wall.normal_stiffness"] * wall.contacts * self.dt)
+        v = (
+            s["load_control.pfc_gain"]
+            * (target - wall.force)
+            / (s["contact.particle_wall.normal_stiffness"] * wall.contacts * self.dt)
+        )
         limit = s["load_control.pfc_velocity_limit"]
         return max(-limit, min(limit, v))
 
     def _keep_row(self, n: int, target: float, stress: float) -> None:
-        row = [target, stress, self.sleeper.sum / self.count / self.sleeper.area, self.error / self.count,
-               self.sleeper.displacement()]
+        row = [
+            target,
+            stress,
+            self.sleeper.sum / self.count / self.sleeper.area,
+            self.error / self.count,
+            self.sleeper.displacement(),
+        ]
         for plate in self.plates:
             row += [plate.force / plate.area, plate.sum / self.count / plate.area, plate.displacement()]
         self.rows.append(f"{n},{n * self.dt!r}," + ",".join(map(repr, row)) + "\n")
@@ -172,4 +183,6 @@ class LoadControl:
         full = [s["preload.sleeper_stress"]] + [s["preload.plate_stress"]] * len(self.plates)
         return len(self.recent) == self.recent.maxlen and all(
             abs(mean - target) <= s["preload.stress_tolerance"] * target
-            for wall, mean, target in zip(self.walls, self.mean_stresses(), full) if wall in self.moving)
+            for wall, mean, target in zip(self.walls, self.mean_stresses(), full)
+            if wall in self.moving
+        )

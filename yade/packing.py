@@ -12,14 +12,14 @@ from pathlib import Path
 import __main__
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner
 
-ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
+ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
-import apparatus                                        # noqa: E402
-import stage                                            # noqa: E402
-from bed import Bed                                     # noqa: E402
-from contact import ContactLaw                          # noqa: E402
-from state import write_contacts                        # noqa: E402
+import apparatus  # noqa: E402
+import stage  # noqa: E402
+from bed import Bed  # noqa: E402
+from contact import ContactLaw  # noqa: E402
+from state import write_contacts  # noqa: E402
 
 O = Omega()
 
@@ -62,7 +62,7 @@ def pack(run: stage.Stage, _) -> None:
     def lower_gravity() -> None:
         newton.gravity = (0, 0, -(high + (low - high) * min(1.0, (O.iter - first) / steps)))
 
-    __main__.lower_gravity = lower_gravity              # where PyRunner looks names up
+    __main__.lower_gravity = lower_gravity  # where PyRunner looks names up
     O.engines = [*O.engines, PyRunner(command="lower_gravity()", iterPeriod=10)]
     for _ in range(math.ceil((steps + 10) / run.grid.steps_per_block)):
         run.advance_or_stop(run.grid.steps_per_block)

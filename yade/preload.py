@@ -12,16 +12,16 @@ from pathlib import Path
 
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega
 
-ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
+ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
-import apparatus                                        # noqa: E402
-import stage                                            # noqa: E402
-from bed import Bed                                     # noqa: E402
-from contact import ContactLaw, deviations              # noqa: E402
-from files import write_aside                           # noqa: E402
-from load_control import LoadControl                    # noqa: E402
-from state import write_contacts                        # noqa: E402
+import apparatus  # noqa: E402
+import stage  # noqa: E402
+from bed import Bed  # noqa: E402
+from contact import ContactLaw, deviations  # noqa: E402
+from files import write_aside  # noqa: E402
+from load_control import LoadControl  # noqa: E402
+from state import write_contacts  # noqa: E402
 
 O = Omega()
 
@@ -60,12 +60,20 @@ def preload(run: stage.Stage, _) -> None:
             break
         if loaded > limit:
             means = ", ".join(f"{mean / 1e3:.2f}" for mean in run.control.mean_stresses())
-            raise stage.StageError(stage.not_at_rest("preload", limit, row, "rest.", "preload.time_limit",
-                                                     f"mean stress on sleeper and plates {means} kPa, "))
+            raise stage.StageError(
+                stage.not_at_rest(
+                    "preload",
+                    limit,
+                    row,
+                    "rest.",
+                    "preload.time_limit",
+                    f"mean stress on sleeper and plates {means} kPa, ",
+                )
+            )
 
     write_contacts(run.bed, run.raw("contacts_preloaded.csv"))
     run.bed.write(run.raw("bed_preloaded.csv"))
-    run.control.n = 0       # the cyclic stage counts its own steps
+    run.control.n = 0  # the cyclic stage counts its own steps
     run.step = 0
     run.save("cyclic_000000")
 

@@ -77,8 +77,10 @@ class Stage:
             self.control.write_rows()
         row = StateRow.measure(self.bed, self.model, self.gravity)
         if not row.kinetic_energy_J < float("inf"):
-            raise StageError(f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the "
-                             "run diverged; a smaller time.step is the usual remedy")
+            raise StageError(
+                f"{self.name}: the kinetic energy is {row.kinetic_energy_J} J after step {self.step}: the "
+                "run diverged; a smaller time.step is the usual remedy"
+            )
         # The rows of the cyclic stage start with step 0, so the last of them is of the step before the count.
         step, time = self.step, O.time
         if self.name == "cyclic":
@@ -112,8 +114,10 @@ class Stage:
 
     def at_rest(self, row: StateRow, criterion: str = "rest.") -> bool:
         """True where the bed meets both limits, the keys `criterion`unbalanced_ratio and `criterion`kinetic_energy."""
-        return (row.unbalanced_ratio <= self.scenario[criterion + "unbalanced_ratio"]
-                and row.kinetic_energy_J <= self.scenario[criterion + "kinetic_energy"])
+        return (
+            row.unbalanced_ratio <= self.scenario[criterion + "unbalanced_ratio"]
+            and row.kinetic_energy_J <= self.scenario[criterion + "kinetic_energy"]
+        )
 
     def advance_to_rest(self, criterion: str = "rest.") -> StateRow:
         """Run blocks until the bed is at rest; StageError after rest.time_limit simulated seconds."""
@@ -159,8 +163,8 @@ class Stage:
         O.tags["step"] = str(self.step)
         O.tags["clumps"] = json.dumps(self.bed.numbers)
         O.tags["load_control"] = json.dumps(self.control.memory())
-        O.interactions.serializeSorted = True           # contacts in the order of bodies: a tenth faster after the load
-        aside = folder / f"partial_{name}.yade.gz"      # YADE compresses by the ending
+        O.interactions.serializeSorted = True  # contacts in the order of bodies: a tenth faster after the load
+        aside = folder / f"partial_{name}.yade.gz"  # YADE compresses by the ending
         _reserve(aside, CHECKPOINT_BYTES_PER_CLUMP * (len(self.bed.numbers) + 20))
         faulthandler.dump_traceback_later(SAVE_TIME_LIMIT_S, exit=True)
         O.save(str(aside))
@@ -170,12 +174,20 @@ class Stage:
         return folder / f"{name}.yade.gz"
 
 
-def not_at_rest(stage: str, limit_s: float, row: StateRow, criterion: str = "rest.", limit_key: str = "rest.time_limit",
-                more: str = "") -> str:
+def not_at_rest(
+    stage: str,
+    limit_s: float,
+    row: StateRow,
+    criterion: str = "rest.",
+    limit_key: str = "rest.time_limit",
+    more: str = "",
+) -> str:
     """The line that says why a bed is not accepted as being at rest."""
-    return (f"{stage}: not at rest after {limit_s:g} s: {more}unbalanced ratio {row.unbalanced_ratio:.3g}, "
-            f"kinetic energy {row.kinetic_energy_J:.3g} J per clump "
-            f"({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})")
+    return (
+        f"{stage}: not at rest after {limit_s:g} s: {more}unbalanced ratio {row.unbalanced_ratio:.3g}, "
+        f"kinetic energy {row.kinetic_energy_J:.3g} J per clump "
+        f"({criterion}unbalanced_ratio, {criterion}kinetic_energy, {limit_key})"
+    )
 
 
 def _reserve(path: Path, size: int) -> None:
@@ -185,8 +197,9 @@ def _reserve(path: Path, size: int) -> None:
             os.posix_fallocate(file.fileno(), 0, size)
     except OSError as error:
         path.unlink(missing_ok=True)
-        raise StageError(f"checkpoints/{path.name}: {error.strerror}; free at least {size / 1e6:.1f} MB and run "
-                         "again") from None
+        raise StageError(
+            f"checkpoints/{path.name}: {error.strerror}; free at least {size / 1e6:.1f} MB and run again"
+        ) from None
 
 
 def _check_whole(path: Path) -> None:
@@ -196,8 +209,9 @@ def _check_whole(path: Path) -> None:
             while file.read(1 << 22):
                 pass
     except (OSError, EOFError, zlib.error):
-        raise StageError(f"checkpoints/{path.name}: could not be written whole; free some space and run "
-                         "again") from None
+        raise StageError(
+            f"checkpoints/{path.name}: could not be written whole; free some space and run again"
+        ) from None
 
 
 def main(name: str, procedure) -> None:
@@ -213,10 +227,13 @@ def main(name: str, procedure) -> None:
         print(f"ERROR: {error}", flush=True)
         sys.exit(1)
     except OSError as error:
-        print(f"ERROR: {name}: {Path(error.filename or '').name}: {error.strerror}; the run folder must be complete "
-              "and have space", flush=True)
+        print(
+            f"ERROR: {name}: {Path(error.filename or '').name}: {error.strerror}; the run folder must be complete "
+            "and have space",
+            flush=True,
+        )
         sys.exit(1)
-    except Exception as error:      # one line for the driver, the trace for whoever reads the log
+    except Exception as error:  # one line for the driver, the trace for whoever reads the log
         traceback.print_exc()
         print(f"ERROR: {name}: {type(error).__name__}: {error}", flush=True)
         sys.exit(1)

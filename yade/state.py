@@ -37,8 +37,18 @@ class Contacts:
         for i in O.interactions:
             if i.isReal:
                 geom, phys = i.geom, i.phys
-                rows.append((i.id1, i.id2, *geom.contactPoint, *geom.normal, geom.penetrationDepth, *phys.normalForce,
-                             *phys.shearForce, phys.tangensOfFrictionAngle))
+                rows.append(
+                    (
+                        i.id1,
+                        i.id2,
+                        *geom.contactPoint,
+                        *geom.normal,
+                        geom.penetrationDepth,
+                        *phys.normalForce,
+                        *phys.shearForce,
+                        phys.tangensOfFrictionAngle,
+                    )
+                )
         table = np.array(rows).reshape(-1, 16)
         ids = table[:, :2].astype(int)
         normal = table[:, 5:8]

@@ -20,12 +20,12 @@ from yade import utils
 from yade.minieigenHP import Vector3
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
 
-ROOT = Path(sys.argv[0]).resolve().parent.parent        # __file__ would be YADE's own program
+ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
-from analysis.scenarios.scenario import Scenario                  # noqa: E402
-from bed import HEADER, Bed                             # noqa: E402
-from contact import ContactLaw                          # noqa: E402
+from analysis.scenarios.scenario import Scenario  # noqa: E402
+from bed import HEADER, Bed  # noqa: E402
+from contact import ContactLaw  # noqa: E402
 
 O = Omega()
 
@@ -40,7 +40,7 @@ def add_ball(ball: dict, shells: tuple) -> tuple[int, list[int]]:
         members = [body]
     else:
         body, members = O.bodies.appendClumped(spheres, discretization=0)
-    inertia = 0.4 * ball["mass"] * ball["radius"]**2
+    inertia = 0.4 * ball["mass"] * ball["radius"] ** 2
     for i in {body, *members}:
         O.bodies[i].state.mass, O.bodies[i].state.inertia = ball["mass"], Vector3(inertia, inertia, inertia)
     if ball["held"]:
@@ -61,9 +61,15 @@ def set_motion(body: int, velocity, spin) -> None:
 def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list[int]]:
     """Make clumps through a bed file, as a full run does; return the spheres of each end of each clump."""
     path = folder / "bed.csv"
-    path.write_text(HEADER + "\n" + "".join(
-        f"{n}," + ",".join(map(repr, (*clump["position"], *clump["quaternion"]))) + "\n"
-        for n, clump in enumerate(clumps, start=1)), encoding="ascii")
+    path.write_text(
+        HEADER
+        + "\n"
+        + "".join(
+            f"{n}," + ",".join(map(repr, (*clump["position"], *clump["quaternion"]))) + "\n"
+            for n, clump in enumerate(clumps, start=1)
+        ),
+        encoding="ascii",
+    )
     Bed(scenario).place(path, shells)
     ends = []
     bodies = [body for body in O.bodies if body.isClump]
@@ -81,7 +87,7 @@ class Recorder:
         self.spheres, self.rows = spheres, []
         self.driven = O.bodies[driven].state if driven is not None else None
         self.velocities = [Vector3(*velocity) for velocity, steps in probe["path"] for _ in range(steps)]
-        __main__.verify_step = self.step        # where PyRunner looks names up
+        __main__.verify_step = self.step  # where PyRunner looks names up
 
     def step(self) -> None:
         """Stands between the contact loop and the integrator."""

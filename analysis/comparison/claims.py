@@ -37,8 +37,11 @@ def load_claims(path: Path = REFERENCE_FOLDER / "claims.toml") -> tuple[list[Cla
     """Read claims.toml and check that every claim is complete, judged by a function, and words all its thresholds."""
     try:
         content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-        rules = Rules(content["rules"]["profile"], content["rules"]["confidence"],
-                      {name: entry["value"] for name, entry in content["stated"].items()})
+        rules = Rules(
+            content["rules"]["profile"],
+            content["rules"]["confidence"],
+            {name: entry["value"] for name, entry in content["stated"].items()},
+        )
         entries = content["claim"]
     except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
         reason = f"cannot be used ({error}); it has [rules], [stated] and [[claim]]"
@@ -53,12 +56,14 @@ def _claim(file: str, entry: dict) -> Claim:
     except (TypeError, KeyError) as error:
         raise ClaimError(f"{where}: {error}; each claim has {', '.join(Claim.__dataclass_fields__)}") from None
     if claim.id not in CHECKS:
-        raise ClaimError(f"{where}: no function of that name in analysis/comparison/claims.py; "
-                         "write one or correct the id")
+        raise ClaimError(
+            f"{where}: no function of that name in analysis/comparison/claims.py; write one or correct the id"
+        )
     for name in claim.thresholds:
         if f"{{{name}" not in claim.criterion + claim.quantity:
-            raise ClaimError(f"{where}: threshold {name} is not worded in criterion or quantity; "
-                             f"write {{{name}:g}} into one")
+            raise ClaimError(
+                f"{where}: threshold {name} is not worded in criterion or quantity; write {{{name}:g}} into one"
+            )
     try:
         worded = {key: entry[key].format(**claim.thresholds) for key in ("criterion", "quantity")}
     except (KeyError, ValueError) as error:
@@ -66,8 +71,9 @@ def _claim(file: str, entry: dict) -> Claim:
     return Claim(**(claim.__dict__ | worded))
 
 
-def evaluate_claims(runs: Iterable, references: References | None = None,
-                    path: Path = REFERENCE_FOLDER / "claims.toml") -> list[Verdict]:
+def evaluate_claims(
+    runs: Iterable, references: References | None = None, path: Path = REFERENCE_FOLDER / "claims.toml"
+) -> list[Verdict]:
     """Judge all claims for both codes from `runs` (of load_runs) and `references` (default: the committed ones)."""
     claims, rules = load_claims(path)
     references = load_references() if references is None else references
@@ -83,10 +89,25 @@ def judge(claim: Claim, code: str, runs: Iterable, references: References, rules
 
 def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
     """A row per check, with the claim's verdict and the check's own; margins in SI units."""
-    return pd.DataFrame([
-        {"number": v.claim.number, "claim": v.claim.sentence, "code": v.code, "verdict": v.verdict, "check": c.what,
-         "check_verdict": c.verdict, "numbers": c.numbers, "margin": c.margin, "half_width": c.half_width,
-         "unit": c.unit, "missing": "; ".join(c.missing)} for v in verdicts for c in v.checks])
+    return pd.DataFrame(
+        [
+            {
+                "number": v.claim.number,
+                "claim": v.claim.sentence,
+                "code": v.code,
+                "verdict": v.verdict,
+                "check": c.what,
+                "check_verdict": c.verdict,
+                "numbers": c.numbers,
+                "margin": c.margin,
+                "half_width": c.half_width,
+                "unit": c.unit,
+                "missing": "; ".join(c.missing),
+            }
+            for v in verdicts
+            for c in v.checks
+        ]
+    )
 
 
 LINEAR, NONLINEAR = "linear-mu0.8", "nonlinear-en1.0"
@@ -97,14 +118,16 @@ def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
     last = e.common_cycle(t["cycles"])
     # the fits take their time: only the runs that are judged, others do not lend their scatter
     runs = [r for r in e.reached(last) if r.scenario_name in e.claim.runs]
-    share = e.measure(f"exponential share after cycle {last}", lambda r: exponential_share(r, last), last,
-                      relative=False, runs=runs)
+    share = e.measure(
+        f"exponential share after cycle {last}", lambda r: exponential_share(r, last), last, relative=False, runs=runs
+    )
     yield e.check(f"{NONLINEAR} has the exponential start", "-", lambda s: s - t["share"], share[NONLINEAR])
     yield e.check(f"{LINEAR} does not have it", "-", lambda s: t["share"] - s, share[LINEAR])
 
 
 def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 2."""
+
     def of(run):
         return slope(run.cycles["cycle"], run.cycles["settlement_m"], t["first"], t["cycles"])
 
@@ -118,8 +141,14 @@ def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
             theirs = Measured("late slope, experiment", Estimate(value, error))
         else:
             theirs = Measured("experiment", missing=(f"three points of the experiment from cycle {t['first']} on",))
-    yield e.check("the nonlinear slope is nearer to the experiment's", "m/cycle",
-                  lambda lin, non, exp: abs(lin - exp) - abs(non - exp), ours[LINEAR], ours[NONLINEAR], theirs)
+    yield e.check(
+        "the nonlinear slope is nearer to the experiment's",
+        "m/cycle",
+        lambda lin, non, exp: abs(lin - exp) - abs(non - exp),
+        ours[LINEAR],
+        ours[NONLINEAR],
+        theirs,
+    )
 
 
 def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
@@ -130,37 +159,56 @@ def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
         yield e.check(what, "m", lambda s, exp: math.nan, runs[NONLINEAR], e.pending("settlement"))
         return
     last = t["cycles"]
-    shift, scatter = (e.measure(name, lambda r, field=field: settlement_difference(r, curve, last, field), last,
-                                relative=False)
-                      for name, field in (("mean difference", "shift_m"), ("its standard deviation", "rms_shifted_m")))
+    shift, scatter = (
+        e.measure(name, lambda r, field=field: settlement_difference(r, curve, last, field), last, relative=False)
+        for name, field in (("mean difference", "shift_m"), ("its standard deviation", "rms_shifted_m"))
+    )
     error = curve["error"].mean() / coverage(math.inf)
-    yield e.check(what, "m", lambda m, s: t["scatter"] * abs(m) - s,
-                  widened(shift[NONLINEAR], error), widened(scatter[NONLINEAR], error))
+    yield e.check(
+        what,
+        "m",
+        lambda m, s: t["scatter"] * abs(m) - s,
+        widened(shift[NONLINEAR], error),
+        widened(scatter[NONLINEAR], error),
+    )
 
 
 def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 4."""
     for cycle, sign in ((1, -1), (100, 1), (t["cycles"], 1)):
-        error, = e.profile_errors(cycle, LINEAR)
-        yield e.check(f"{'good' if sign > 0 else 'poor'} after cycle {cycle}", "-",
-                      lambda value, sign=sign: sign * (t["good"] - value), error)
+        (error,) = e.profile_errors(cycle, LINEAR)
+        yield e.check(
+            f"{'good' if sign > 0 else 'poor'} after cycle {cycle}",
+            "-",
+            lambda value, sign=sign: sign * (t["good"] - value),
+            error,
+        )
 
 
 def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 5."""
     for cycle in (1, 100):
-        yield e.check(f"nonlinear better after cycle {cycle}", "-", lambda lin, non: lin - non,
-                      *e.profile_errors(cycle, LINEAR, NONLINEAR))
-    yield e.check(f"comparable after cycle {t['cycles']}", "-", lambda lin, non: t["alike"] - abs(lin - non),
-                  *e.profile_errors(t["cycles"], LINEAR, NONLINEAR))
+        yield e.check(
+            f"nonlinear better after cycle {cycle}",
+            "-",
+            lambda lin, non: lin - non,
+            *e.profile_errors(cycle, LINEAR, NONLINEAR),
+        )
+    yield e.check(
+        f"comparable after cycle {t['cycles']}",
+        "-",
+        lambda lin, non: t["alike"] - abs(lin - non),
+        *e.profile_errors(t["cycles"], LINEAR, NONLINEAR),
+    )
 
 
 def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 6."""
     for cycle, words in ((1, "twice"), (t["cycles"], "alike")):
         low, high = t[f"{words}_low"], t[f"{words}_high"]
-        lateral = e.measure(f"lateral displacement after cycle {cycle}",
-                            lambda r, n=cycle: lateral_profile(r, n).mean(), cycle)
+        lateral = e.measure(
+            f"lateral displacement after cycle {cycle}", lambda r, n=cycle: lateral_profile(r, n).mean(), cycle
+        )
 
         def margin(*values, low=low, high=high):
             ratio = np.mean(values[:3]) / np.mean(values[3:])
@@ -168,17 +216,27 @@ def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
 
         for mode in (1, 2):
             names = [f"nonlinear-md{m}-en{en}" for m in (0, mode) for en in (0.3, 0.6, 0.9)]
-            yield e.check(f"M_d = 0 over M_d = {mode} after cycle {cycle} between {low:g} and {high:g}", "-", margin,
-                          *(lateral[n] for n in names))
+            yield e.check(
+                f"M_d = 0 over M_d = {mode} after cycle {cycle} between {low:g} and {high:g}",
+                "-",
+                margin,
+                *(lateral[n] for n in names),
+            )
 
 
 def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 7."""
     last = e.common_cycle(t["cycles"])
-    branches = (("M_d = 0", 0, (0.3, 0.6, 0.9, 1.0), -1), ("M_d = 2", 2, (0.3, 0.6, 0.9, 1.0), -1),
-                ("M_d = 1 from 0.6", 1, (0.6, 0.9, 1.0), -1), ("M_d = 1 to 0.6", 1, (0.0, 0.3, 0.6), 1))
-    for name, function in (("settlement", lambda r: settlement(r, last)),
-                           ("lateral displacement", lambda r: lateral_profile(r, last).mean())):
+    branches = (
+        ("M_d = 0", 0, (0.3, 0.6, 0.9, 1.0), -1),
+        ("M_d = 2", 2, (0.3, 0.6, 0.9, 1.0), -1),
+        ("M_d = 1 from 0.6", 1, (0.6, 0.9, 1.0), -1),
+        ("M_d = 1 to 0.6", 1, (0.0, 0.3, 0.6), 1),
+    )
+    for name, function in (
+        ("settlement", lambda r: settlement(r, last)),
+        ("lateral displacement", lambda r: lateral_profile(r, last).mean()),
+    ):
         measured = e.measure(f"{name} after cycle {last}", function, last)
         for branch, mode, restitutions, sign in branches:
             scenarios = [NONLINEAR if en == 1 else f"nonlinear-md{mode}-en{en}" for en in restitutions]
@@ -186,8 +244,12 @@ def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
             def margin(*values, x=restitutions, sign=sign):
                 return sign * (np.polyfit(x, values, 1)[0] - t["flat"])
 
-            yield e.check(f"{name} {'rises' if sign > 0 else 'falls'} with e_n, {branch}", "m", margin,
-                          *(measured[s] for s in scenarios))
+            yield e.check(
+                f"{name} {'rises' if sign > 0 else 'falls'} with e_n, {branch}",
+                "m",
+                margin,
+                *(measured[s] for s in scenarios),
+            )
 
 
 def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
@@ -215,8 +277,13 @@ def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
             continue
         relative = [c["error"].mean() / c["value"].abs().max() for c in (curve, *profiles.values())]
         error = float(np.mean(relative)) / coverage(math.inf)
-        yield e.check(what, "-", lambda best, other: other - best,
-                      widened(measured[NONLINEAR], error), widened(measured[scenario], error))
+        yield e.check(
+            what,
+            "-",
+            lambda best, other: other - best,
+            widened(measured[NONLINEAR], error),
+            widened(measured[scenario], error),
+        )
 
 
 def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
@@ -231,20 +298,24 @@ def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
         one, two, three = porosities(run, last)
         return min(two, three) - one
 
-    for what, name, function in (("sphere 3 highest", "sphere 3 above the next", above),
-                                 ("sphere 1 lowest", "sphere 1 below the next", below)):
+    for what, name, function in (
+        ("sphere 3 highest", "sphere 3 above the next", above),
+        ("sphere 1 lowest", "sphere 1 below the next", below),
+    ):
         measured = e.measure(name, function, last, relative=False)
         yield e.check(f"{what} after cycle {last}", "-", lambda x: x, measured[NONLINEAR])
     spread = e.measure(f"range to cycle {last}", lambda r: porosity_range(r, last), last, relative=False)
-    yield e.check("range wider than in the linear model", "-", lambda non, lin: non - lin,
-                  spread[NONLINEAR], spread[LINEAR])
+    yield e.check(
+        "range wider than in the linear model", "-", lambda non, lin: non - lin, spread[NONLINEAR], spread[LINEAR]
+    )
 
 
 def preload_drop(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 10."""
     start = e.measure("porosity after preload", lambda r: porosities(r, 0).mean(), 0, relative=False)
-    yield e.check("lower than in the linear model", "-", lambda lin, non: lin - non - t["drop"],
-                  start[LINEAR], start[NONLINEAR])
+    yield e.check(
+        "lower than in the linear model", "-", lambda lin, non: lin - non - t["drop"], start[LINEAR], start[NONLINEAR]
+    )
 
 
 def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
@@ -265,6 +336,19 @@ def _machine(run) -> tuple:
     return tuple(str(run.info.get(key)) for key in ("host", "ranks", "threads"))
 
 
-CHECKS: dict[str, Callable[[Evidence, dict], Iterator[Check]]] = {f.__name__: f for f in (
-    exponential_start, late_slope, vertical_shift, linear_lateral, nonlinear_lateral, damping_modes, restitution_trend,
-    undamped_best, porosity_order, preload_drop, computing_time)}
+CHECKS: dict[str, Callable[[Evidence, dict], Iterator[Check]]] = {
+    f.__name__: f
+    for f in (
+        exponential_start,
+        late_slope,
+        vertical_shift,
+        linear_lateral,
+        nonlinear_lateral,
+        damping_modes,
+        restitution_trend,
+        undamped_best,
+        porosity_order,
+        preload_drop,
+        computing_time,
+    )
+}

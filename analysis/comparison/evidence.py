@@ -121,8 +121,15 @@ class Evidence:
         """The last cycle that all runs of the claim have reached; those that stopped before `least` do not count."""
         return min((last_cycle(r) for r in self.reached(least) if r.scenario_name in self.claim.runs), default=least)
 
-    def measure(self, name: str, function: Callable, cycles: int, relative: bool = True,
-                stated: str | None = None, runs: list | None = None) -> dict[str, Measured]:
+    def measure(
+        self,
+        name: str,
+        function: Callable,
+        cycles: int,
+        relative: bool = True,
+        stated: str | None = None,
+        runs: list | None = None,
+    ) -> dict[str, Measured]:
         """`function(run)` for every scenario of the claim, averaged over seeds.
 
         name      of the quantity, in words
@@ -142,13 +149,19 @@ class Evidence:
         estimates = pooled(groups, relative)
         if stated:
             half_width = self.rules.stated[stated]
-            estimates = {s: Estimate(e.mean, half_width / coverage(math.inf) * abs(e.mean), math.inf, e.seeds)
-                         for s, e in estimates.items()}
+            estimates = {
+                s: Estimate(e.mean, half_width / coverage(math.inf) * abs(e.mean), math.inf, e.seeds)
+                for s, e in estimates.items()
+            }
             self._scatter.add(f"stated: {half_width:.0%} of a run's value")
         else:
             self._scatter |= {f"{s} ({e.seeds} seeds)" for s, e in estimates.items() if e.seeds > 1}
-        return {s: Measured(f"{name}, {s}", estimates[s]) if s in estimates else
-                Measured(f"{name}, {s}", missing=(self._why_missing(s, cycles),)) for s in self.claim.runs}
+        return {
+            s: Measured(f"{name}, {s}", estimates[s])
+            if s in estimates
+            else Measured(f"{name}, {s}", missing=(self._why_missing(s, cycles),))
+            for s in self.claim.runs
+        }
 
     def _why_missing(self, scenario: str, cycles: int) -> str:
         lengths = [last_cycle(r) for r in self.runs if r.scenario_name == scenario]
@@ -208,8 +221,16 @@ class Evidence:
         else:
             basis = "scatter over seeds of " + ", ".join(sorted(self._scatter))
         runs = sorted(self._used)
-        return Verdict(self.claim, code, verdict, checks, missing if verdict == OPEN else (), tuple(runs), basis,
-                       _notes(self._used[r] for r in runs))
+        return Verdict(
+            self.claim,
+            code,
+            verdict,
+            checks,
+            missing if verdict == OPEN else (),
+            tuple(runs),
+            basis,
+            _notes(self._used[r] for r in runs),
+        )
 
 
 def _together(missing: Iterable[str]) -> tuple[str, ...]:
@@ -238,8 +259,11 @@ def _notes(runs: Iterable) -> tuple[str, ...]:
             today = load_scenario(run.scenario_name, run.profile)
         except ScenarioError:
             continue
-        changed = [line for line in (today.differences(run.scenario) if run.scenario else [])
-                   if not line.startswith(NO_PHYSICS)]
+        changed = [
+            line
+            for line in (today.differences(run.scenario) if run.scenario else [])
+            if not line.startswith(NO_PHYSICS)
+        ]
         if changed:
             more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
             note = f"made with other parameters than today's (today -> then): {'; '.join(changed[:3])}{more}"

@@ -19,5 +19,6 @@ def restitution_table(restitutions=(0.0, 0.3, 0.6, 0.9, 1.0)) -> pd.DataFrame:
         for nominal in restitutions:
             factor = laws.damping_factor(mode, nominal) if (mode, nominal) != (0, 0.0) else math.nan
             rows.append((mode, nominal, factor, math.nan if math.isnan(factor) else laws.effective_restitution(factor)))
-    return pd.DataFrame(rows, columns=["damping_mode", "nominal_restitution", "damping_factor",
-                                       "effective_restitution"])
+    return pd.DataFrame(
+        rows, columns=["damping_mode", "nominal_restitution", "damping_factor", "effective_restitution"]
+    )

@@ -40,12 +40,15 @@ def pooled(groups: Mapping[str, Sequence[float]], relative: bool) -> dict[str, E
     scale = {name: abs(v.mean()) if relative else 1.0 for name, v in values.items()}
     squares = sum((((v - v.mean()) / scale[name]) ** 2).sum() for name, v in values.items() if len(v) > 1)
     deviation = math.sqrt(squares / degrees) if degrees else math.nan
-    return {name: Estimate(float(v.mean()), deviation * scale[name] / math.sqrt(len(v)), degrees or math.inf, len(v))
-            for name, v in values.items()}
+    return {
+        name: Estimate(float(v.mean()), deviation * scale[name] / math.sqrt(len(v)), degrees or math.inf, len(v))
+        for name, v in values.items()
+    }
 
 
-def propagate(function: Callable[..., float], inputs: Sequence[Estimate],
-              confidence: float = 0.95) -> tuple[float, float]:
+def propagate(
+    function: Callable[..., float], inputs: Sequence[Estimate], confidence: float = 0.95
+) -> tuple[float, float]:
     """Value of `function` at the means, and the half-width of its confidence interval; inputs are independent.
 
     Each input is moved by one standard error to both sides and the larger change counts, which is right for linear
@@ -55,6 +58,6 @@ def propagate(function: Callable[..., float], inputs: Sequence[Estimate],
     value = function(*means)
     variance = 0.0
     for k, e in enumerate(inputs):
-        moved = [function(*means[:k], e.mean + sign * e.standard_error, *means[k + 1:]) for sign in (-1, 1)]
+        moved = [function(*means[:k], e.mean + sign * e.standard_error, *means[k + 1 :]) for sign in (-1, 1)]
         variance += max(abs(m - value) for m in moved) ** 2 if not math.isnan(e.standard_error) else math.nan
     return value, coverage(min((e.degrees for e in inputs), default=math.inf), confidence) * math.sqrt(variance)

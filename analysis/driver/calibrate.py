@@ -30,19 +30,40 @@ from analysis.normalised.readers import Run as Result
 from analysis.scenarios import lattice
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
 
-REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35     # paper, Section 2 and Table 1
+REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35  # paper, Section 2 and Table 1
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
 ASPECTS = (1.5, 1.7, 1.8, 1.875)
 TABLE = files.ROOT / "reference_data" / "runs" / "calibration.csv"
 STAGE_COLUMNS = {
-    "packing": ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number",
-                "overlap_mean_m", "overlap_max_ratio", "normal_force_mean_N"),
+    "packing": (
+        "clumps",
+        "porosity_1",
+        "porosity_2",
+        "porosity_3",
+        "porosity_mean",
+        "coordination_number",
+        "overlap_mean_m",
+        "overlap_max_ratio",
+        "normal_force_mean_N",
+    ),
     "preload": ("settlement_m",),
 }
 
-COLUMNS = ("scenario", "code", "seed", "aspect", "lattice_gap_m", "lattice_sites", "clumps_over_reported",
-           *(name if stage == "packing" else f"{stage}_{name}" for stage, names in STAGE_COLUMNS.items() for name in names),
-           "cycles", "settlement_m", "settlement_peak_m", "lateral_3_m", "state")
+COLUMNS = (
+    "scenario",
+    "code",
+    "seed",
+    "aspect",
+    "lattice_gap_m",
+    "lattice_sites",
+    "clumps_over_reported",
+    *(name if stage == "packing" else f"{stage}_{name}" for stage, names in STAGE_COLUMNS.items() for name in names),
+    "cycles",
+    "settlement_m",
+    "settlement_peak_m",
+    "lateral_3_m",
+    "state",
+)
 
 
 def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float]:
@@ -70,7 +91,9 @@ def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> 
     run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
     before = record.read(run.folder) or {}
     if before.get("state") == "failed":
-        print(f"calibrate: failed before ({before.get('reason')}); to try it again, delete {run.folder}", file=sys.stderr)
+        print(
+            f"calibrate: failed before ({before.get('reason')}); to try it again, delete {run.folder}", file=sys.stderr
+        )
     else:
         try:
             run.go()
@@ -92,8 +115,10 @@ def read_table(path: Path = TABLE) -> pd.DataFrame:
         table = pd.DataFrame()
     missing = [name for name in COLUMNS if name not in table]
     if missing or table.empty:
-        raise ValueError(f"{path.name}: {'column ' + missing[0] + ' is missing' if missing else 'has no row'}; "
-                         "restore it or run `make calibrate`")
+        raise ValueError(
+            f"{path.name}: {'column ' + missing[0] + ' is missing' if missing else 'has no row'}; "
+            "restore it or run `make calibrate`"
+        )
     return table
 
 
@@ -130,11 +155,18 @@ def main(argv: list[str] | None = None) -> int:
     """Command line of `make calibrate`."""
     parser = Parser(prog="python -m analysis calibrate", description=__doc__.split("\n\n")[0])
     parser.add_argument("--code", choices=CODES, default="liggghts")
-    parser.add_argument("--scenario", nargs="+", default=["linear-mu0.8", "nonlinear-en1.0"], metavar="NAME",
-                        help="the first is run at each gap and aspect, the others at each aspect")
+    parser.add_argument(
+        "--scenario",
+        nargs="+",
+        default=["linear-mu0.8", "nonlinear-en1.0"],
+        metavar="NAME",
+        help="the first is run at each gap and aspect, the others at each aspect",
+    )
     parser.add_argument("--profile", default="full")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--gaps", type=float, nargs="*", help="m; default: one for each number of sites from 13.3 to 15 mm")
+    parser.add_argument(
+        "--gaps", type=float, nargs="*", help="m; default: one for each number of sites from 13.3 to 15 mm"
+    )
     parser.add_argument("--aspects", type=float, nargs="*", default=ASPECTS)
     parser.add_argument("--cycles", type=int, default=5)
     parser.add_argument("--results", type=Path, default=files.ROOT / "results")
@@ -142,7 +174,9 @@ def main(argv: list[str] | None = None) -> int:
     options = parser.parse_args(argv)
     versions(options.code)
     options.results = options.results.resolve()
-    options = argparse.Namespace(**vars(options), ranks=1, bed=None, until=None, scenarios=SCENARIO_FILE, progress="lines")
+    options = argparse.Namespace(
+        **vars(options), ranks=1, bed=None, until=None, scenarios=SCENARIO_FILE, progress="lines"
+    )
 
     stop, rows = StopRequest(), []
     bases = [load_scenario(name, options.profile, cycles=options.cycles) for name in options.scenario]

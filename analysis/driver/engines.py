@@ -77,12 +77,21 @@ def liggghts_parameters(scenario: Scenario, seed: int) -> str:
     clump, box, grid = derived.clump(scenario), derived.apparatus(scenario), derived.time_grid(scenario)
     values = {key.replace(".", "_"): p.value for key, p in scenario.parameters.items() if p.value != ""}
     values |= {
-        "clump_radius": clump.radius_m, "clump_half_distance": clump.half_distance_m, "clump_volume": clump.volume_m3,
-        "clump_mass": clump.mass_kg, "clump_inertia_axial": clump.inertia_axial_kgm2,
+        "clump_radius": clump.radius_m,
+        "clump_half_distance": clump.half_distance_m,
+        "clump_volume": clump.volume_m3,
+        "clump_mass": clump.mass_kg,
+        "clump_inertia_axial": clump.inertia_axial_kgm2,
         "clump_inertia_transverse": clump.inertia_transverse_kgm2,
-        "box_width_scaled": box.width_m, "sleeper_area": box.sleeper_area_m2, "plate_area": box.plate_area_m2,
-        "time_step": grid.step_s, "steps_per_cycle": grid.steps_per_cycle, "steps_per_row": grid.steps_per_row,
-        "steps_per_block": grid.steps_per_block, "cycles": scenario["loading.cycles"], "seed": seed,
+        "box_width_scaled": box.width_m,
+        "sleeper_area": box.sleeper_area_m2,
+        "plate_area": box.plate_area_m2,
+        "time_step": grid.step_s,
+        "steps_per_cycle": grid.steps_per_cycle,
+        "steps_per_row": grid.steps_per_row,
+        "steps_per_block": grid.steps_per_block,
+        "cycles": scenario["loading.cycles"],
+        "seed": seed,
     }
     values |= {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
     lines = [f"# {scenario.name}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
@@ -104,9 +113,12 @@ def _meshes(scenario: Scenario) -> dict[str, derived.Block]:
     box = derived.apparatus(scenario)
     (_, left, _), (_, right, _) = box.sleeper.low, box.sleeper.high
     top, lid_top = box.height_m, box.height_m + scenario["geometry.plate_thickness"]
-    meshes = {"sleeper": box.sleeper, "fixed_wall": box.fixed_wall,
-              "lid_left": derived.Block((0.0, 0.0, top), (box.length_m, left, lid_top)),
-              "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top))}
+    meshes = {
+        "sleeper": box.sleeper,
+        "fixed_wall": box.fixed_wall,
+        "lid_left": derived.Block((0.0, 0.0, top), (box.length_m, left, lid_top)),
+        "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top)),
+    }
     return meshes | {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
 
 

@@ -32,7 +32,14 @@ from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, 
 
 FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
 # Packing reads none of these. The frequency and the rows and blocks of a cycle are not among them: they make its time grid.
-AFTER_PACKING = (*FREE_KEYS, "load_control.", "preload.", "loading.stress_", "output.checkpoint_cycles", "output.keep_beds")
+AFTER_PACKING = (
+    *FREE_KEYS,
+    "load_control.",
+    "preload.",
+    "loading.stress_",
+    "output.checkpoint_cycles",
+    "output.keep_beds",
+)
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 
@@ -441,9 +448,7 @@ def _arguments(argv: list[str]) -> argparse.Namespace:
     def path(text: str) -> Path:
         return Path(text).resolve()
 
-    parser = Parser(
-        prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it."
-    )
+    parser = Parser(prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it.")
     parser.add_argument("scenario", help="a scenario of the scenario file")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo", help="demo (default) or full")

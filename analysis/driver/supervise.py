@@ -94,7 +94,9 @@ class Supervisor:
                 if self.stop.signal and not asked:
                     asked = True
                     engine.ask_to_stop()
-                    what = "the checkpoint" if self.stage == "cyclic" else f"{self.stage} to stop, which will begin again"
+                    what = (
+                        "the checkpoint" if self.stage == "cyclic" else f"{self.stage} to stop, which will begin again"
+                    )
                     self.progress.say(f"asked to stop: waiting for {what}; another Ctrl-C kills")
                 if self.stop.kill:
                     engine.kill()

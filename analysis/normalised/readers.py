@@ -94,7 +94,10 @@ def load_runs(
             found.append(run)
     if others and not found and not quiet:
         there = "; ".join(" ".join(names) for names in sorted(others))
-        print(f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}", file=sys.stderr)
+        print(
+            f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}",
+            file=sys.stderr,
+        )
     return Runs(found)
 
 

@@ -24,7 +24,9 @@ FILE = "stages.json"
 Stages = dict[str, dict[str, float | str]]
 
 
-def write_stages(folder: Path, scenario: Scenario, moved: dict[str, float], spheres: porosity.MeasurementSpheres) -> None:
+def write_stages(
+    folder: Path, scenario: Scenario, moved: dict[str, float], spheres: porosity.MeasurementSpheres
+) -> None:
     """Write stages.json of a run that has been preloaded; `moved` holds settlement_m and lateral_1_m to _5_m."""
     raw, stages = folder / "raw", {}
     for stage, label, places in (("packing", "packed", {}), ("preload", "preloaded", moved)):

@@ -36,8 +36,10 @@ def summary(references: References) -> str:
     for sidecar in sorted({*there["sidecar"], *pending["sidecar"]}):
         curves = there.loc[there["sidecar"] == sidecar]
         waiting = pending.loc[pending["sidecar"] == sidecar, "curve"]
-        state = ", ".join([f"{n} {s}" for s, n in curves.groupby("status")["curve"].nunique().items()]
-                          + ([f"{len(waiting)} pending"] if len(waiting) else []))
+        state = ", ".join(
+            [f"{n} {s}" for s, n in curves.groupby("status")["curve"].nunique().items()]
+            + ([f"{len(waiting)} pending"] if len(waiting) else [])
+        )
         lines.append(f"{sidecar:50} {state}")
         if len(waiting) and len(curves):
             lines += [f"    pending: {name}" for name in waiting]

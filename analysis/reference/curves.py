@@ -26,11 +26,39 @@ REFERENCE_FOLDER = ROOT / "reference_data"
 
 NOT_CURVES = ("settlement_laws", "runs")
 
-COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "depth_m", "sphere",
-           "value", "unit", "error", "status", "licence", "sidecar")
+COLUMNS = (
+    "source",
+    "figure",
+    "curve",
+    "kind",
+    "scenario",
+    "quantity",
+    "cycle",
+    "depth_m",
+    "sphere",
+    "value",
+    "unit",
+    "error",
+    "status",
+    "licence",
+    "sidecar",
+)
 
-SOURCE_COLUMNS = ("sidecar", "source", "figure", "kind", "status", "curves", "digitised", "points", "error",
-                  "digitised_by", "date", "method", "licence")
+SOURCE_COLUMNS = (
+    "sidecar",
+    "source",
+    "figure",
+    "kind",
+    "status",
+    "curves",
+    "digitised",
+    "points",
+    "error",
+    "digitised_by",
+    "date",
+    "method",
+    "licence",
+)
 
 PENDING_COLUMNS = ("source", "figure", "curve", "kind", "scenario", "quantity", "cycle", "sphere", "sidecar")
 
@@ -43,18 +71,23 @@ VALUES = {"settlement": "m", "lateral_displacement": "m", "porosity": "-"}
 ABSCISSAE = {"settlement": "cycle", "lateral_displacement": "depth", "porosity": "cycle"}
 
 # Wide on purpose: only a wrong unit, sign or axis falls outside. SI units, as converted.
-PLAUSIBLE = {"cycle": (-20.0, 1e7), "depth": (-0.2, 0.5), "settlement": (-0.01, 0.2),
-             "lateral_displacement": (-0.02, 0.2), "porosity": (0.1, 0.7)}
+PLAUSIBLE = {
+    "cycle": (-20.0, 1e7),
+    "depth": (-0.2, 0.5),
+    "settlement": (-0.01, 0.2),
+    "lateral_displacement": (-0.02, 0.2),
+    "porosity": (0.1, 0.7),
+}
 
-AXIS_SLACK = 0.02       # share of the axis that a point may lie outside of it
+AXIS_SLACK = 0.02  # share of the axis that a point may lie outside of it
 
 LEAST_POINTS = 3
 
-LEAST_COVER = {"coordinate": 0.1, "value": 0.01}    # share of its axis that a curve spans; less is a wrong unit
+LEAST_COVER = {"coordinate": 0.1, "value": 0.01}  # share of its axis that a curve spans; less is a wrong unit
 
-MOST_CYCLES_BY_TIME = 1e4       # an axis of seconds that means more cycles is one of cycles
+MOST_CYCLES_BY_TIME = 1e4  # an axis of seconds that means more cycles is one of cycles
 
-MOST_ERROR = 0.5                # of the value axis
+MOST_ERROR = 0.5  # of the value axis
 
 
 class ReferenceError(ValueError):
@@ -78,14 +111,27 @@ class References:
     problems: list[str] = field(default_factory=list)
     sources: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(columns=SOURCE_COLUMNS))
 
-    def curve(self, quantity: str, kind: str | None = None, source: str | None = None, scenario: str | None = None,
-              cycle: int | None = None, sphere: int | None = None) -> pd.DataFrame:
+    def curve(
+        self,
+        quantity: str,
+        kind: str | None = None,
+        source: str | None = None,
+        scenario: str | None = None,
+        cycle: int | None = None,
+        sphere: int | None = None,
+    ) -> pd.DataFrame:
         """Rows of the curves that match, in the order of their coordinate; empty where nothing has come in yet.
 
         `cycle` chooses among profiles over depth.
         """
-        wanted = {"quantity": quantity, "kind": kind, "source": source, "scenario": scenario, "cycle": cycle,
-                  "sphere": sphere}
+        wanted = {
+            "quantity": quantity,
+            "kind": kind,
+            "source": source,
+            "scenario": scenario,
+            "cycle": cycle,
+            "sphere": sphere,
+        }
         rows = self.curves
         for column, value in wanted.items():
             if value is not None:
@@ -104,18 +150,24 @@ def load_references(folder: Path = REFERENCE_FOLDER) -> References:
             there, missing = _load(sidecar, head)
         except (ReferenceError, DigitiserError) as error:
             problems.append(f"{sidecar.parent.name}/{error}")
-            named |= set(sidecar.parent.iterdir())      # whose files they are is unknown now
+            named |= set(sidecar.parent.iterdir())  # whose files they are is unknown now
         else:
             curves += there
             pending += missing
             sources.append(_source(sidecar, head, there))
     for path in sorted(folder.glob("*/*")):
         if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named:
-            problems.append(f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
-                            "of its figure and set its status")
+            problems.append(
+                f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
+                "of its figure and set its status"
+            )
     table = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=COLUMNS)
-    return References(table[list(COLUMNS)], pd.DataFrame(pending, columns=PENDING_COLUMNS), problems,
-                      pd.DataFrame(sources, columns=SOURCE_COLUMNS))
+    return References(
+        table[list(COLUMNS)],
+        pd.DataFrame(pending, columns=PENDING_COLUMNS),
+        problems,
+        pd.DataFrame(sources, columns=SOURCE_COLUMNS),
+    )
 
 
 def sidecars(folder: Path = REFERENCE_FOLDER) -> list[Path]:
@@ -127,25 +179,37 @@ def _source(sidecar: Path, head: dict, curves: list[pd.DataFrame]) -> dict:
     """What the sidecar says of its points; empty where it is pending."""
     there = head["status"] != "pending"
     error = head["error"] if there else {}
-    return {"sidecar": f"{sidecar.parent.name}/{sidecar.name}", "curves": len(head["curves"]), "digitised": len(curves),
-            "points": sum(map(len, curves)),
-            "error": f"{error['value']:g} {error['unit']}, {error['source']}" if there else "",
-            **{key: head[key] for key in ("source", "figure", "kind", "status", "licence")},
-            **{key: head[key] if there else "" for key in ("digitised_by", "date", "method")}}
+    return {
+        "sidecar": f"{sidecar.parent.name}/{sidecar.name}",
+        "curves": len(head["curves"]),
+        "digitised": len(curves),
+        "points": sum(map(len, curves)),
+        "error": f"{error['value']:g} {error['unit']}, {error['source']}" if there else "",
+        **{key: head[key] for key in ("source", "figure", "kind", "status", "licence")},
+        **{key: head[key] if there else "" for key in ("digitised_by", "date", "method")},
+    }
 
 
 def _load(sidecar: Path, head: dict) -> tuple[list[pd.DataFrame], list[dict]]:
     if head["status"] == "pending" and head.get("files"):
-        raise ReferenceError(f'{sidecar.name}: status = "pending", but files = {head["files"]}; '
-                             'set status = "digitised"')
+        raise ReferenceError(
+            f'{sidecar.name}: status = "pending", but files = {head["files"]}; set status = "digitised"'
+        )
     value_axis, other_axis = _axes(sidecar, head)
     datasets = _datasets(sidecar, head) if head["status"] != "pending" else {}
     there, missing = [], []
     for curve in head["curves"]:
-        row = {"source": head["source"], "figure": head["figure"], "curve": curve["dataset"], "kind": head["kind"],
-               "scenario": curve.get("scenario", ""), "quantity": head["axes"][value_axis]["quantity"],
-               "cycle": curve.get("cycle", np.nan), "sphere": curve.get("sphere", np.nan),
-               "sidecar": f"{sidecar.parent.name}/{sidecar.name}"}
+        row = {
+            "source": head["source"],
+            "figure": head["figure"],
+            "curve": curve["dataset"],
+            "kind": head["kind"],
+            "scenario": curve.get("scenario", ""),
+            "quantity": head["axes"][value_axis]["quantity"],
+            "cycle": curve.get("cycle", np.nan),
+            "sphere": curve.get("sphere", np.nan),
+            "sidecar": f"{sidecar.parent.name}/{sidecar.name}",
+        }
         if curve["dataset"] in datasets:
             file, dataset = datasets[curve["dataset"]]
             there.append(_tidy(sidecar, head, row, value_axis, other_axis, file, dataset))
@@ -159,13 +223,14 @@ def _read_sidecar(sidecar: Path) -> dict:
         head = tomllib.loads(sidecar.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ReferenceError(f"{sidecar.name}: is not valid TOML: {error}") from None
-    head = json.loads(json.dumps(head, default=str))        # a date becomes its text
+    head = json.loads(json.dumps(head, default=str))  # a date becomes its text
     schema = json.loads((REFERENCE_FOLDER / "schema.json").read_text(encoding="utf-8"))
     errors = list(jsonschema.Draft202012Validator(schema).iter_errors(head))
     still_open = dict.fromkeys(_place(error) for error in errors if error.instance == "?")
     if still_open:
-        raise ReferenceError(f"{sidecar.name}: {', '.join(still_open)} = \"?\" is still open; fill it in, or set "
-                             'status = "pending"')
+        raise ReferenceError(
+            f'{sidecar.name}: {", ".join(still_open)} = "?" is still open; fill it in, or set status = "pending"'
+        )
     error = jsonschema.exceptions.best_match(errors)
     if error is not None:
         raise ReferenceError(f"{sidecar.name}: {_say(error)}")
@@ -176,8 +241,10 @@ def _read_sidecar(sidecar: Path) -> dict:
     known = ("", *scenario_names())
     for curve in head["curves"]:
         if curve.get("scenario", "") not in known:
-            raise ReferenceError(f"{sidecar.name}: curves: scenario {curve['scenario']!r} is unknown; use a name of "
-                                 "scenarios.toml or leave it out")
+            raise ReferenceError(
+                f"{sidecar.name}: curves: scenario {curve['scenario']!r} is unknown; use a name of "
+                "scenarios.toml or leave it out"
+            )
     _check_citation(sidecar, head["source"])
     return head
 
@@ -196,8 +263,10 @@ def _say(error: jsonschema.ValidationError) -> str:
         near = difflib.get_close_matches(name, error.instance, 1, 0.8)
         return f"{where}: {error.message}; " + (f"rename {near[0]!r}" if near else "add it")
     if error.validator == "enum":
-        return (f"{where} = {value} is refused; allowed: "
-                f"{', '.join(UNIT_WORDS.get(v, str(v)) for v in error.validator_value if v != '?')}")
+        return (
+            f"{where} = {value} is refused; allowed: "
+            f"{', '.join(UNIT_WORDS.get(v, str(v)) for v in error.validator_value if v != '?')}"
+        )
     if error.validator == "pattern" and where == "date":
         return f'date = {value} is refused; write it as "2026-03-01"'
     if error.validator == "additionalProperties":
@@ -211,8 +280,9 @@ def _check_citation(sidecar: Path, source: str) -> None:
     if not bibliography.is_file():
         raise ReferenceError(f"{sidecar.name}: source: no reference.bib beside it; add one with the entry {source}")
     if source not in citation_keys(bibliography):
-        raise ReferenceError(f"{sidecar.name}: source = {source!r} is not in reference.bib; "
-                             "add the entry or correct the key")
+        raise ReferenceError(
+            f"{sidecar.name}: source = {source!r} is not in reference.bib; add the entry or correct the key"
+        )
 
 
 def citation_keys(bibliography: Path) -> list[str]:
@@ -225,8 +295,10 @@ def _axes(sidecar: Path, head: dict) -> tuple[str, str]:
     quantities = {name: axis["quantity"] for name, axis in head["axes"].items()}
     values = [name for name, quantity in quantities.items() if quantity in VALUES]
     if len(values) != 1 or quantities["y" if values[0] == "x" else "x"] != ABSCISSAE[quantities[values[0]]]:
-        raise ReferenceError(f"{sidecar.name}: axes: {quantities['x']} and {quantities['y']} make no curve; allowed: "
-                             + ", ".join(f"{v} with {a}" for v, a in ABSCISSAE.items()))
+        raise ReferenceError(
+            f"{sidecar.name}: axes: {quantities['x']} and {quantities['y']} make no curve; allowed: "
+            + ", ".join(f"{v} with {a}" for v, a in ABSCISSAE.items())
+        )
     quantity = quantities[values[0]]
     need = {"lateral_displacement": "cycle", "porosity": "sphere"}.get(quantity)
     for curve in head["curves"]:
@@ -249,8 +321,9 @@ def _datasets(sidecar: Path, head: dict) -> dict[str, tuple[str, Dataset]]:
             if dataset.name not in wanted:
                 near = difflib.get_close_matches(dataset.name, wanted, 1)
                 known = f"its curves, perhaps {near[0]!r}" if near else ", ".join(map(repr, wanted[:4]))
-                raise ReferenceError(f"{file}: dataset {dataset.name!r} is not a curve of {sidecar.name}; "
-                                     f"rename it to one of {known}")
+                raise ReferenceError(
+                    f"{file}: dataset {dataset.name!r} is not a curve of {sidecar.name}; rename it to one of {known}"
+                )
             if dataset.name in found:
                 raise ReferenceError(f"{file}: dataset {dataset.name!r} is also in {found[dataset.name][0]}; keep one")
             found[dataset.name] = (file, dataset)
@@ -259,6 +332,7 @@ def _datasets(sidecar: Path, head: dict) -> dict[str, tuple[str, Dataset]]:
 
 def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataFrame:
     """Check the points of one curve against the declared axes and convert them to SI."""
+
     def refuse(what: str) -> ReferenceError:
         return ReferenceError(f"{file}: dataset {dataset.name!r}: {what}")
 
@@ -274,16 +348,22 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
         if outside.any():
             worst = columns[name][outside][0]
             keys = "unit, reversed" + (", at_sleeper_base" if axis["quantity"] == "depth" else "")
-            raise refuse(f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; "
-                         f"check axes.{name}: {keys}")
+            raise refuse(
+                f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; "
+                f"check axes.{name}: {keys}"
+            )
         low, high = sorted(axis["range"])
         least = LEAST_COVER["value" if name == value_axis else "coordinate"] * (high - low)
         if np.ptp(raw) < least:
-            raise refuse(f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
-                         f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped")
+            raise refuse(
+                f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
+                f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped"
+            )
         if axis["unit"] == "s" and columns[name].max() > MOST_CYCLES_BY_TIME:
-            raise refuse(f"{raw.max():.6g} s are {columns[name].max():.6g} cycles; "
-                         f'set axes.{name}.unit = "-" where the axis counts cycles')
+            raise refuse(
+                f"{raw.max():.6g} s are {columns[name].max():.6g} cycles; "
+                f'set axes.{name}.unit = "-" where the axis counts cycles'
+            )
     coordinate, value = columns[other_axis], columns[value_axis]
     if row["quantity"] == "settlement" and np.median(value) < 0:
         raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
@@ -291,39 +371,55 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
     falling_depth = head["axes"][other_axis]["quantity"] == "depth" and (step < 0).all()
     if not (falling_depth or (step > 0).all()):
         at = int(np.argmax(step <= 0)) + 2
-        raise refuse(f"{head['axes'][other_axis]['quantity']} does not increase at point {at}; sort by "
-                     f"{other_axis.upper()} in WebPlotDigitizer and delete doubled points")
+        raise refuse(
+            f"{head['axes'][other_axis]['quantity']} does not increase at point {at}; sort by "
+            f"{other_axis.upper()} in WebPlotDigitizer and delete doubled points"
+        )
     error = head["error"]
     if (error["unit"] in ("-", "%")) != (VALUES[row["quantity"]] == "-"):
-        raise ReferenceError(f"{sidecar.name}: error.unit = {error['unit']} does not fit {row['quantity']}; "
-                             "use the unit of its axis")
+        raise ReferenceError(
+            f"{sidecar.name}: error.unit = {error['unit']} does not fit {row['quantity']}; use the unit of its axis"
+        )
     low, high = sorted(head["axes"][value_axis]["range"])
     whole = (high - low) * SI[head["axes"][value_axis]["unit"]]
     if error["value"] * SI[error["unit"]] > MOST_ERROR * whole:
-        raise ReferenceError(f"{sidecar.name}: error.value = {error['value']:g} {error['unit']} is more than half of "
-                             f"the axis, {low:g} to {high:g} {head['axes'][value_axis]['unit']}; check error: value "
-                             "and unit")
+        raise ReferenceError(
+            f"{sidecar.name}: error.value = {error['value']:g} {error['unit']} is more than half of "
+            f"the axis, {low:g} to {high:g} {head['axes'][value_axis]['unit']}; check error: value "
+            "and unit"
+        )
     depth = head["axes"][other_axis]["quantity"] == "depth"
-    table = pd.DataFrame({"value": value, "cycle": row["cycle"] if depth else coordinate,
-                          "depth_m": coordinate if depth else np.nan})
-    return table.assign(**{k: v for k, v in row.items() if k != "cycle"}, unit=VALUES[row["quantity"]],
-                        error=error["value"] * SI[error["unit"]], status=head["status"], licence=head["licence"])
+    table = pd.DataFrame(
+        {"value": value, "cycle": row["cycle"] if depth else coordinate, "depth_m": coordinate if depth else np.nan}
+    )
+    return table.assign(
+        **{k: v for k, v in row.items() if k != "cycle"},
+        unit=VALUES[row["quantity"]],
+        error=error["value"] * SI[error["unit"]],
+        status=head["status"],
+        licence=head["licence"],
+    )
 
 
 def _check_on_axis(refuse, name, axis, raw, calibration, sidecar) -> None:
     """Points, and the values that calibrated the axis, lie on the axis as printed."""
     low, high = sorted(axis["range"])
     if low == high:
-        raise ReferenceError(f"{sidecar}: axes.{name}.range = {axis['range']} is empty; "
-                             "give the first and last printed value")
+        raise ReferenceError(
+            f"{sidecar}: axes.{name}.range = {axis['range']} is empty; give the first and last printed value"
+        )
     slack = AXIS_SLACK * (high - low)
     for value in raw:
         if not low - slack <= value <= high + slack:
-            raise refuse(f"{name} = {value:.6g} is off the axis, {low:g} to {high:g} {axis['unit']}; "
-                         f"check axes.{name}.range, the calibration and whether the axes are swapped")
+            raise refuse(
+                f"{name} = {value:.6g} is off the axis, {low:g} to {high:g} {axis['unit']}; "
+                f"check axes.{name}.range, the calibration and whether the axes are swapped"
+            )
     if calibration and not (low - slack <= calibration[0] and calibration[1] <= high + slack):
-        raise refuse(f"axis {name} was calibrated from {calibration[0]:g} to {calibration[1]:g}, beyond {low:g} to "
-                     f"{high:g} {axis['unit']}; check axes.{name}: unit and range")
+        raise refuse(
+            f"axis {name} was calibrated from {calibration[0]:g} to {calibration[1]:g}, beyond {low:g} to "
+            f"{high:g} {axis['unit']}; check axes.{name}: unit and range"
+        )
 
 
 def _to_si(axis: dict, raw: np.ndarray) -> np.ndarray:

@@ -25,9 +25,11 @@ class SettlementLaw:
 
     def ratio(self, cycles, reference_cycle: float = 1.0) -> np.ndarray:
         """S_N / S_reference for `cycles` >= 1."""
+
         def shape(n):
             n = np.asarray(n, dtype=float)
             return 1 + self.coefficient * np.log(n) if self.form == "logarithm" else n**self.coefficient
+
         return shape(cycles) / shape(reference_cycle)
 
 
@@ -38,13 +40,17 @@ def settlement_laws(folder: Path = REFERENCE_FOLDER) -> list[SettlementLaw]:
         entries = tomllib.loads(path.read_text(encoding="utf-8"))["law"]
         laws = [SettlementLaw(**(e | {"source": tuple(e["source"])})) for e in entries]
     except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise ReferenceError(f"{path.name}: cannot be used ({error}); each [[law]] has id, label, form, coefficient, "
-                             "source, status and note") from None
+        raise ReferenceError(
+            f"{path.name}: cannot be used ({error}); each [[law]] has id, label, form, coefficient, "
+            "source, status and note"
+        ) from None
     known = citation_keys(path.with_name("reference.bib"))
     for law in laws:
         if law.form not in ("logarithm", "power") or not 0 < law.coefficient < 2:
-            raise ReferenceError(f"{path.name}: {law.id}: form = {law.form}, coefficient = {law.coefficient} is "
-                                 "refused; allowed: logarithm or power, > 0 and < 2")
+            raise ReferenceError(
+                f"{path.name}: {law.id}: form = {law.form}, coefficient = {law.coefficient} is "
+                "refused; allowed: logarithm or power, > 0 and < 2"
+            )
         for key in law.source:
             if key not in known:
                 raise ReferenceError(f"{path.name}: {law.id}: source {key!r} is not in reference.bib; add the entry")

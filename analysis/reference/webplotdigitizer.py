@@ -47,6 +47,7 @@ def read(path: Path) -> list[Dataset]:
 
 # ------------------------------------------------------------------ CSV
 
+
 def _from_csv(path: Path, text: str) -> list[Dataset]:
     rows, decimal_comma = _rows(text)
     if rows and not _number(rows[0][1][0], decimal_comma):
@@ -54,8 +55,10 @@ def _from_csv(path: Path, text: str) -> list[Dataset]:
     points = []
     for line, cells in rows:
         if len(cells) != 2:
-            raise DigitiserError(f"{path.name}: line {line} has {len(cells)} values, not x and y; export one dataset, "
-                                 "or all by 'Export All Data'")
+            raise DigitiserError(
+                f"{path.name}: line {line} has {len(cells)} values, not x and y; export one dataset, "
+                "or all by 'Export All Data'"
+            )
         points.append(_pair(path.name, line, cells, decimal_comma))
     return [Dataset(path.stem, np.array(points))]
 
@@ -74,8 +77,10 @@ def _side_by_side(file: str, rows, decimal_comma: bool) -> list[Dataset]:
     line, names = rows[0]
     axes = [c.upper() for c in rows[1][1]] if len(rows) > 1 else []
     if not axes or axes != ["X", "Y"] * (len(axes) // 2) or len(names) > len(axes) or any(names[1::2]):
-        raise DigitiserError(f"{file}: line {line + 1} is not X,Y for each dataset; use axes of the kind 2D (X-Y) Plot "
-                             "and names without commas")
+        raise DigitiserError(
+            f"{file}: line {line + 1} is not X,Y for each dataset; use axes of the kind 2D (X-Y) Plot "
+            "and names without commas"
+        )
     names = names + [""] * (len(axes) - len(names))
     datasets = []
     for column in range(0, len(axes), 2):
@@ -83,7 +88,7 @@ def _side_by_side(file: str, rows, decimal_comma: bool) -> list[Dataset]:
             raise DigitiserError(f"{file}: the dataset in column {column + 1} has no name; name it in WebPlotDigitizer")
         points = []
         for line, cells in rows[2:]:
-            pair = (cells + [""] * len(axes))[column:column + 2]
+            pair = (cells + [""] * len(axes))[column : column + 2]
             if any(pair):
                 points.append(_pair(file, line, pair, decimal_comma))
         datasets.append(Dataset(names[column], np.array(points)))
@@ -111,6 +116,7 @@ def _pair(file: str, line: int, cells: list[str], decimal_comma: bool) -> tuple[
 
 # ------------------------------------------------------------------ project JSON
 
+
 def _from_json(file: str, text: str) -> list[Dataset]:
     """Project files of version 4 (datasetColl) and of version 3 (wpd.dataSeries)."""
     try:
@@ -127,8 +133,10 @@ def _from_json(file: str, text: str) -> list[Dataset]:
             series = [(d["name"], d["axesName"], d["data"]) for d in project["datasetColl"]]
         return [_series(file, name, *axes[axis], data) for name, axis, data in series if data]
     except (KeyError, TypeError, AttributeError) as error:
-        raise DigitiserError(f"{file}: is not a WebPlotDigitizer project ({type(error).__name__} {error}); give the "
-                             "wpd.json of the saved project, or export CSV") from None
+        raise DigitiserError(
+            f"{file}: is not a WebPlotDigitizer project ({type(error).__name__} {error}); give the "
+            "wpd.json of the saved project, or export CSV"
+        ) from None
 
 
 def _series(file: str, name: str, axes_type: str, calibration: list, data: list) -> Dataset:
@@ -140,8 +148,9 @@ def _series(file: str, name: str, axes_type: str, calibration: list, data: list)
     except (TypeError, ValueError):
         points = np.empty(0)
     if points.shape != (len(values), 2) or not np.isfinite(points).all():
-        raise DigitiserError(f"{file}: dataset {name!r} has points without calibrated values; "
-                             "calibrate the axes, then save")
+        raise DigitiserError(
+            f"{file}: dataset {name!r} has points without calibrated values; calibrate the axes, then save"
+        )
     return Dataset(name, points, _calibration(calibration))
 
 

@@ -48,9 +48,7 @@ PAGES = (
 
 def main(argv: list[str]) -> int:
     """Command line of `make compare`."""
-    parser = Parser(
-        prog="python -m analysis report", description="Build the report from the runs that exist."
-    )
+    parser = Parser(prog="python -m analysis report", description="Build the report from the runs that exist.")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the runs")
     parser.add_argument(
         "--out", type=Path, default=Path("report"), help="folder of the report; verification.csv is looked for there"

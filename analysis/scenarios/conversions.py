@@ -45,23 +45,35 @@ def _pair_mass(s: Scenario) -> float:
 
 def _hertz(s: Scenario) -> float:
     radius = derived.clump(s).radius_m
-    return laws.hertz_coefficient(s[PP + "shear_modulus"], s[PP + "poisson_ratio"],
-                                  laws.effective_radius(radius, radius))
+    return laws.hertz_coefficient(
+        s[PP + "shear_modulus"], s[PP + "poisson_ratio"], laws.effective_radius(radius, radius)
+    )
 
 
 def _mindlin(s: Scenario) -> float:
     radius = derived.clump(s).radius_m
-    return laws.mindlin_shear_stiffness(1.0, s[PP + "shear_modulus"], s[PP + "poisson_ratio"],
-                                        laws.effective_radius(radius, radius))
+    return laws.mindlin_shear_stiffness(
+        1.0, s[PP + "shear_modulus"], s[PP + "poisson_ratio"], laws.effective_radius(radius, radius)
+    )
 
 
 @functools.cache
 def thornton_damping_ratio(restitution: float) -> float:
     """Share of critical damping that gives a restitution (0-1) in a Hertz contact that cannot pull."""
-    coefficients = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29, -11342.18, 6276.757,
-                    -1489.915)
+    coefficients = (
+        -6.918798,
+        -16.41105,
+        146.8049,
+        -796.4559,
+        2928.711,
+        -7206.864,
+        11494.29,
+        -11342.18,
+        6276.757,
+        -1489.915,
+    )
     exponent = sum(c * restitution ** (k + 1) for k, c in enumerate(coefficients))
-    return math.sqrt(max(0.0, 1 / (1 - (1 + restitution)**2 * math.exp(exponent)) - 1))
+    return math.sqrt(max(0.0, 1 / (1 - (1 + restitution) ** 2 * math.exp(exponent)) - 1))
 
 
 def _viscous(s: Scenario) -> float:
@@ -70,62 +82,158 @@ def _viscous(s: Scenario) -> float:
 
 
 def _wall_dashpot(s: Scenario) -> float:
-    return laws.linear_dashpot_coefficient(s[PW + "damping_ratio"],
-                                           derived.clump(s).mass_kg, s[PW + "normal_stiffness"])
+    return laws.linear_dashpot_coefficient(
+        s[PW + "damping_ratio"], derived.clump(s).mass_kg, s[PW + "normal_stiffness"]
+    )
 
 
 def _pair_dashpot(s: Scenario) -> float:
     return laws.linear_dashpot_coefficient(s[PP + "damping_ratio"], _pair_mass(s), s[PP + "normal_stiffness"])
 
 
-CONVERSIONS = (Conversion(PP + "normal_stiffness", "linear", "`kn` = k_n", "`normalStiffness` = k_n", "pp.kn",
-                          _same(PP + "normal_stiffness"), "normal_stiffness[1][1]", _same(PP + "normal_stiffness")),
-               Conversion(PP + "shear_stiffness", "linear", "`ks` = k_s (`kRatio` = k_s/k_n with a dashpot)",
-                          "`shearStiffness` = k_s", "pp.ks", _same(PP + "shear_stiffness"), "shear_stiffness[1][1]",
-                          _same(PP + "shear_stiffness")),
-               Conversion(PP + "damping_ratio", "linear",
-                          "`betan` = beta; `cn` = 2 beta sqrt(m k_n), m = m1 m2/(m1 + m2)",
-                          "`dampingRatio` = beta; the same coefficient", "pp.cn", _pair_dashpot, "damping_ratio[1][1]",
-                          _same(PP + "damping_ratio")),
-               Conversion(PP + "friction", "both", "`frictAngle` = atan(mu)", "`slipFriction` = mu",
-                          "pp.tangensOfFrictionAngle", _same(PP + "friction"), "slip_friction[1][1]",
-                          _same(PP + "friction")),
-               Conversion(PP + "shear_modulus", "hysteretic",
-                          "`young` = 2 G (1 + nu); `kno` = 2 G sqrt(2 R)/(3 (1 - nu)), 1/R = (1/R1 + 1/R2)/2",
-                          "`shearModulus` = G; eq. 8", "pp.kno", _hertz, "shear_modulus[1][1]",
-                          _same(PP + "shear_modulus")),
-               Conversion(PP + "poisson_ratio", "hysteretic", "`poisson` = nu; `kso` = 2 G sqrt(2 R)/(2 - nu)",
-                          "`contactPoissonRatio` = nu; eq. 11", "pp.kso", _mindlin, "poisson_ratio[1][1]",
-                          _same(PP + "poisson_ratio")),
-               Conversion(
-                   PP + "restitution", "hysteretic",
-                   "`en` = e' with D (1 + e') = ln((1 + D)/(1 - D e')), `es` = 1; share of critical "
-                   "damping `betan` by Thornton et al. (2013) from e'", "`nominalRestitution` = e_n; eq. 15",
-                   "pp.betan", _viscous, "restitution[1][1]", _same(PP + "restitution")),
-               Conversion(PP + "damping_mode", "hysteretic",
-                          "in D: M_d 0 (1 - e_n^2)/e_n, 1 3 (1 - e_n^2)/4, 2 3 (1 - e_n^2) exp(2 (1 - e_n))/4",
-                          "`dampingMode` = M_d; eq. 16", "pp.betan", _viscous, "damping_mode",
-                          _same(PP + "damping_mode")),
-               Conversion(PW + "normal_stiffness", "both", "`kn` = k_n", "`normalStiffness` = k_n", "pw.kn",
-                          _same(PW + "normal_stiffness"), "normal_stiffness[1][2]", _same(PW + "normal_stiffness")),
-               Conversion(PW + "shear_stiffness", "both", "`ks` = k_s (`kRatio` = k_s/k_n with a dashpot)",
-                          "`shearStiffness` = k_s", "pw.ks", _same(PW + "shear_stiffness"), "shear_stiffness[1][2]",
-                          _same(PW + "shear_stiffness")),
-               Conversion(PW + "damping_ratio", "both", "`betan` = beta; `cn` = 2 beta sqrt(m k_n), m of the clump",
-                          "`dampingRatio` = beta; the same coefficient", "pw.cn", _wall_dashpot, "damping_ratio[1][2]",
-                          _same(PW + "damping_ratio")),
-               Conversion(PW + "friction", "both", "`frictAngle` = atan(mu)", "`slipFriction` = mu",
-                          "pw.tangensOfFrictionAngle", _same(PW + "friction"), "slip_friction[1][2]",
-                          _same(PW + "friction")),
-               Conversion("clump.density", "both",
-                          "`state.mass` of clump and of its spheres = density x volume of the union",
-                          "`place_clumps mass`; mass of each sphere as the dashpot sees it, the same", "sphere.mass",
-                          lambda s: derived.clump(s).mass_kg, "sphere_mass", lambda s: derived.clump(s).mass_kg),
-               Conversion("time.step", "both",
-                          "`O.dt` = 1/(f n), n the multiple of output.rows_per_cycle nearest to 1/(f time.step)",
-                          "`timestep`, the same", "dt", lambda s: derived.time_grid(s).step_s, "dt",
-                          lambda s: derived.time_grid(s).step_s),
-               )
+CONVERSIONS = (
+    Conversion(
+        PP + "normal_stiffness",
+        "linear",
+        "`kn` = k_n",
+        "`normalStiffness` = k_n",
+        "pp.kn",
+        _same(PP + "normal_stiffness"),
+        "normal_stiffness[1][1]",
+        _same(PP + "normal_stiffness"),
+    ),
+    Conversion(
+        PP + "shear_stiffness",
+        "linear",
+        "`ks` = k_s (`kRatio` = k_s/k_n with a dashpot)",
+        "`shearStiffness` = k_s",
+        "pp.ks",
+        _same(PP + "shear_stiffness"),
+        "shear_stiffness[1][1]",
+        _same(PP + "shear_stiffness"),
+    ),
+    Conversion(
+        PP + "damping_ratio",
+        "linear",
+        "`betan` = beta; `cn` = 2 beta sqrt(m k_n), m = m1 m2/(m1 + m2)",
+        "`dampingRatio` = beta; the same coefficient",
+        "pp.cn",
+        _pair_dashpot,
+        "damping_ratio[1][1]",
+        _same(PP + "damping_ratio"),
+    ),
+    Conversion(
+        PP + "friction",
+        "both",
+        "`frictAngle` = atan(mu)",
+        "`slipFriction` = mu",
+        "pp.tangensOfFrictionAngle",
+        _same(PP + "friction"),
+        "slip_friction[1][1]",
+        _same(PP + "friction"),
+    ),
+    Conversion(
+        PP + "shear_modulus",
+        "hysteretic",
+        "`young` = 2 G (1 + nu); `kno` = 2 G sqrt(2 R)/(3 (1 - nu)), 1/R = (1/R1 + 1/R2)/2",
+        "`shearModulus` = G; eq. 8",
+        "pp.kno",
+        _hertz,
+        "shear_modulus[1][1]",
+        _same(PP + "shear_modulus"),
+    ),
+    Conversion(
+        PP + "poisson_ratio",
+        "hysteretic",
+        "`poisson` = nu; `kso` = 2 G sqrt(2 R)/(2 - nu)",
+        "`contactPoissonRatio` = nu; eq. 11",
+        "pp.kso",
+        _mindlin,
+        "poisson_ratio[1][1]",
+        _same(PP + "poisson_ratio"),
+    ),
+    Conversion(
+        PP + "restitution",
+        "hysteretic",
+        "`en` = e' with D (1 + e') = ln((1 + D)/(1 - D e')), `es` = 1; share of critical "
+        "damping `betan` by Thornton et al. (2013) from e'",
+        "`nominalRestitution` = e_n; eq. 15",
+        "pp.betan",
+        _viscous,
+        "restitution[1][1]",
+        _same(PP + "restitution"),
+    ),
+    Conversion(
+        PP + "damping_mode",
+        "hysteretic",
+        "in D: M_d 0 (1 - e_n^2)/e_n, 1 3 (1 - e_n^2)/4, 2 3 (1 - e_n^2) exp(2 (1 - e_n))/4",
+        "`dampingMode` = M_d; eq. 16",
+        "pp.betan",
+        _viscous,
+        "damping_mode",
+        _same(PP + "damping_mode"),
+    ),
+    Conversion(
+        PW + "normal_stiffness",
+        "both",
+        "`kn` = k_n",
+        "`normalStiffness` = k_n",
+        "pw.kn",
+        _same(PW + "normal_stiffness"),
+        "normal_stiffness[1][2]",
+        _same(PW + "normal_stiffness"),
+    ),
+    Conversion(
+        PW + "shear_stiffness",
+        "both",
+        "`ks` = k_s (`kRatio` = k_s/k_n with a dashpot)",
+        "`shearStiffness` = k_s",
+        "pw.ks",
+        _same(PW + "shear_stiffness"),
+        "shear_stiffness[1][2]",
+        _same(PW + "shear_stiffness"),
+    ),
+    Conversion(
+        PW + "damping_ratio",
+        "both",
+        "`betan` = beta; `cn` = 2 beta sqrt(m k_n), m of the clump",
+        "`dampingRatio` = beta; the same coefficient",
+        "pw.cn",
+        _wall_dashpot,
+        "damping_ratio[1][2]",
+        _same(PW + "damping_ratio"),
+    ),
+    Conversion(
+        PW + "friction",
+        "both",
+        "`frictAngle` = atan(mu)",
+        "`slipFriction` = mu",
+        "pw.tangensOfFrictionAngle",
+        _same(PW + "friction"),
+        "slip_friction[1][2]",
+        _same(PW + "friction"),
+    ),
+    Conversion(
+        "clump.density",
+        "both",
+        "`state.mass` of clump and of its spheres = density x volume of the union",
+        "`place_clumps mass`; mass of each sphere as the dashpot sees it, the same",
+        "sphere.mass",
+        lambda s: derived.clump(s).mass_kg,
+        "sphere_mass",
+        lambda s: derived.clump(s).mass_kg,
+    ),
+    Conversion(
+        "time.step",
+        "both",
+        "`O.dt` = 1/(f n), n the multiple of output.rows_per_cycle nearest to 1/(f time.step)",
+        "`timestep`, the same",
+        "dt",
+        lambda s: derived.time_grid(s).step_s,
+        "dt",
+        lambda s: derived.time_grid(s).step_s,
+    ),
+)
 
 
 def markdown() -> str:
@@ -134,7 +242,8 @@ def markdown() -> str:
         "## The same parameter in YADE and in LIGGGHTS\n",
         "Tests hold each row against the values the engines got. What YADE does otherwise is in every run's `run.json` "
         "(deviations).\n",
-        "| parameter | contact model | YADE | LIGGGHTS |", "| --- | --- | --- | --- |"
+        "| parameter | contact model | YADE | LIGGGHTS |",
+        "| --- | --- | --- | --- |",
     ]
     lines += [f"| `{c.parameter}` | {c.model} | {c.yade} | {c.liggghts} |" for c in CONVERSIONS]
     return "\n".join(lines) + "\n"

@@ -28,9 +28,9 @@ def clump(s) -> Clump:
     Half of the union is the sphere slice -r <= t <= c about its own centre (c the half distance; t points to the
     clump's centre, which lies at t = c), whose disc at t has area pi (r^2 - t^2); moments of that polynomial are exact.
     """
-    q = s["clump.aspect"] - 1.0                     # half distance over radius
+    q = s["clump.aspect"] - 1.0  # half distance over radius
     volume = 4.0 / 3.0 * math.pi * s["clump.ball_radius"] ** 3
-    unit_volume = 2 * math.pi * _moment(q, 0, 1)    # two half-unions of unit radius
+    unit_volume = 2 * math.pi * _moment(q, 0, 1)  # two half-unions of unit radius
     r = (volume / unit_volume) ** (1 / 3)
     density = s["clump.density"]
     axial = 2 * density * r**5 * math.pi / 2 * _moment(q, 0, 2)
@@ -77,12 +77,17 @@ def apparatus(s) -> Apparatus:
     left = (width - sleeper_width) / 2
     outer = length + s["geometry.plate_thickness"]
     pitch = s["geometry.plate_height"] + s["geometry.plate_gap"]
-    plates = tuple(Block((length, 0.0, k * pitch), (outer, width, k * pitch + s["geometry.plate_height"]))
-                   for k in range(s["geometry.plate_count"]))
+    plates = tuple(
+        Block((length, 0.0, k * pitch), (outer, width, k * pitch + s["geometry.plate_height"]))
+        for k in range(s["geometry.plate_count"])
+    )
     return Apparatus(
-        length, width, height,
-        Block((0.0, left, base),
-              (s["geometry.sleeper_length"], left + sleeper_width, base + s["geometry.sleeper_height"])),
+        length,
+        width,
+        height,
+        Block(
+            (0.0, left, base), (s["geometry.sleeper_length"], left + sleeper_width, base + s["geometry.sleeper_height"])
+        ),
         plates,
         Block((length, 0.0, s["geometry.plate_count"] * pitch), (outer, width, 2 * height)),
         s["geometry.sleeper_length"] * sleeper_width,
@@ -113,8 +118,10 @@ def time_grid(s) -> TimeGrid:
 
 def load_control(s) -> dict[str, float]:
     """Masses (kg) and drags (N s/m) of sleeper and plates, scaled like the areas they press on."""
-    return {key: s[f"load_control.{key}"] * s["geometry.width_scale"]
-            for key in ("sleeper_mass", "sleeper_drag", "plate_mass", "plate_drag")}
+    return {
+        key: s[f"load_control.{key}"] * s["geometry.width_scale"]
+        for key in ("sleeper_mass", "sleeper_drag", "plate_mass", "plate_drag")
+    }
 
 
 def lattice_spacing(s) -> float:

@@ -69,8 +69,10 @@ def _with_unit(p: Parameter) -> str:
 
 
 def _statuses(base: dict[str, Parameter]) -> str:
-    return table(["status", "meaning", "values in the base"],
-                 [[s, MEANING[s], str(sum(p.status == s for p in base.values()))] for s in STATUSES])
+    return table(
+        ["status", "meaning", "values in the base"],
+        [[s, MEANING[s], str(sum(p.status == s for p in base.values()))] for s in STATUSES],
+    )
 
 
 def _section_name(item) -> str:
@@ -78,8 +80,9 @@ def _section_name(item) -> str:
 
 
 def _section(name: str, parameters: dict[str, Parameter]) -> str:
-    rows = [[f"`{key.rpartition('.')[2]}`", _value(p.value), p.unit, p.status, p.source]
-            for key, p in parameters.items()]
+    rows = [
+        [f"`{key.rpartition('.')[2]}`", _value(p.value), p.unit, p.status, p.source] for key, p in parameters.items()
+    ]
     return f"### {name}\n\n" + table(["key", "value", "unit", "status", "source"], rows)
 
 
@@ -91,8 +94,10 @@ def _scenarios(base: dict[str, Parameter], scenarios: list[Scenario]) -> str:
             if p.value != base[key].value:
                 rows.setdefault((key, _with_unit(p), p.status, p.source), []).append(s.name)
     order = list(base)
-    cells = [[f"`{key}`", _with_unit(base[key]), value, ", ".join(_shorten(names)), status, source]
-             for (key, value, status, source), names in sorted(rows.items(), key=lambda item: order.index(item[0][0]))]
+    cells = [
+        [f"`{key}`", _with_unit(base[key]), value, ", ".join(_shorten(names)), status, source]
+        for (key, value, status, source), names in sorted(rows.items(), key=lambda item: order.index(item[0][0]))
+    ]
     same = [s.name for s in scenarios if all(s.parameters[k].value == p.value for k, p in base.items())]
     header = ["key", "base", "value", "scenarios", "status", "source"]
     return table(header, cells) + f"\nAs the base: {', '.join(same)}.\n"

@@ -58,16 +58,22 @@ class Scenario:
 
     def to_json(self) -> str:
         """The resolved scenario as JSON, the form kept in a run's folder."""
-        body = {"name": self.name, "profile": self.profile, "title": self.title, "hash": self.hash,
-                "parameters": {key: asdict(p) for key, p in self.parameters.items()}}
+        body = {
+            "name": self.name,
+            "profile": self.profile,
+            "title": self.title,
+            "hash": self.hash,
+            "parameters": {key: asdict(p) for key, p in self.parameters.items()},
+        }
         return json.dumps(body, indent=1)
 
     @classmethod
     def from_json(cls, text: str) -> Scenario:
         """Read what `to_json` wrote."""
         body = json.loads(text)
-        return cls(body["name"], body["profile"], body["title"],
-                   {key: Parameter(**p) for key, p in body["parameters"].items()})
+        return cls(
+            body["name"], body["profile"], body["title"], {key: Parameter(**p) for key, p in body["parameters"].items()}
+        )
 
     def differences(self, other: Scenario) -> list[str]:
         """Lines `key: here -> there` for every value in which two scenarios differ."""
@@ -129,7 +135,7 @@ def _read(path: Path) -> dict:
             raise _refuse(path, section, content.get(section), f"a table [{section}]")
     for section in ("scenario", "profile"):
         for name in content[section]:
-            if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", name, re.ASCII):    # it names folders and make targets
+            if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", name, re.ASCII):  # it names folders and make targets
                 raise _refuse(path, f"{section} name", name, "letters, digits and . _ + -")
     return content
 
@@ -186,7 +192,7 @@ def _base(path: Path, content: dict) -> dict[str, Parameter]:
 def _unknown_scenario(path: Path, known: dict, name: str) -> ScenarioError:
     head, dot, rest = name.partition(".")
     if dot and isinstance(known.get(head), dict) and rest in known[head]:
-        return ScenarioError(f"{path.name}: scenario.{name}: put the name in quotes, [scenario.\"{name}\"]")
+        return ScenarioError(f'{path.name}: scenario.{name}: put the name in quotes, [scenario."{name}"]')
     near = difflib.get_close_matches(name, known, 1)
     hint = f", perhaps {near[0]}" if near else ""
     return ScenarioError(f"{path.name}: scenario {name!r} is unknown{hint}; known: {', '.join(known)}")
@@ -214,13 +220,18 @@ def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | N
     _, values = _overlay(path, f"profile.{profile}", content["profile"][profile], ("title",))
     for key in values:
         if key not in PROFILE_KEYS:
-            raise _refuse(path, f"profile.{profile}.{key}", values[key].value,
-                          "size and length only: " + ", ".join(PROFILE_KEYS))
+            raise _refuse(
+                path, f"profile.{profile}.{key}", values[key].value, "size and length only: " + ", ".join(PROFILE_KEYS)
+            )
     for layer in (*layers, values):
         parameters.update(layer)
     if cycles is not None:
-        parameters["loading.cycles"] = _parameter(path, "CYCLES", "loading.cycles", {
-            "value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"})
+        parameters["loading.cycles"] = _parameter(
+            path,
+            "CYCLES",
+            "loading.cycles",
+            {"value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"},
+        )
 
     return Scenario(name, profile, title, parameters)
 
@@ -231,15 +242,20 @@ def _check_together(path: Path, s: Scenario) -> None:
     def refuse(key: str, allowed: str) -> ScenarioError:
         return _refuse(path, f"scenario.{s.name}: {key}", s[key], allowed)
 
-    if s["contact.model"] == "hysteretic" and s["contact.particle_particle.damping_mode"] == 0 \
-            and s["contact.particle_particle.restitution"] == 0:
-        raise refuse("contact.particle_particle.restitution",
-                     "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0")
+    if (
+        s["contact.model"] == "hysteretic"
+        and s["contact.particle_particle.damping_mode"] == 0
+        and s["contact.particle_particle.restitution"] == 0
+    ):
+        raise refuse(
+            "contact.particle_particle.restitution", "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0"
+        )
     if s["loading.stress_max"] <= s["loading.stress_min"]:
         raise refuse("loading.stress_max", f"> loading.stress_min = {s['loading.stress_min']:g} Pa")
     if s["preload.sleeper_stress"] != s["loading.stress_min"]:
-        raise refuse("preload.sleeper_stress",
-                     f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts")
+        raise refuse(
+            "preload.sleeper_stress", f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts"
+        )
     if s["geometry.sleeper_length"] > s["geometry.box_length"]:
         raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m")
     if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
@@ -248,8 +264,10 @@ def _check_together(path: Path, s: Scenario) -> None:
         raise refuse("geometry.sleeper_height", "a sleeper whose top is not above the box")
     stack = s["geometry.plate_count"] * (s["geometry.plate_height"] + s["geometry.plate_gap"])
     if stack > s["geometry.box_height"]:
-        raise refuse("geometry.plate_height",
-                     f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m")
+        raise refuse(
+            "geometry.plate_height",
+            f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m",
+        )
     if len(s["geometry.measurement_x"]) != 3:
         raise refuse("geometry.measurement_x", "three values")
     radius = s["geometry.measurement_radius"]
@@ -263,8 +281,9 @@ def _check_together(path: Path, s: Scenario) -> None:
         raise refuse("packing.relax_stiffness", "fractions that end at 1")
     grown = s["packing.lattice_radius"] * s["packing.growth"]
     if abs(grown - s["clump.ball_radius"]) > 1e-6:
-        raise refuse("packing.growth",
-                     f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m")
+        raise refuse(
+            "packing.growth", f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m"
+        )
     if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
         raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
     diameter = 2 * derived.clump(s).radius_m
@@ -276,12 +295,15 @@ def _check_together(path: Path, s: Scenario) -> None:
     if void <= 0:
         raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
     if void > 0.6:
-        raise refuse("packing.lattice_gap",
-                     f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}")
+        raise refuse(
+            "packing.lattice_gap",
+            f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}",
+        )
     limit = derived.critical_time_step(s)
     if max(s["time.step"], derived.time_grid(s).step_s) > limit:
-        raise refuse("time.step",
-                     f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows")
+        raise refuse(
+            "time.step", f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows"
+        )
 
 
 def _check_bed(path: Path, content: dict, s: Scenario) -> None:

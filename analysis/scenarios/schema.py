@@ -9,8 +9,13 @@ import sys
 from dataclasses import dataclass
 
 STATUSES = ("reported", "derived", "assumed", "calibrated")
-PROFILE_KEYS = ("geometry.width_scale", "packing.lattice_gap", "loading.cycles", "output.checkpoint_cycles",
-                "output.keep_beds")
+PROFILE_KEYS = (
+    "geometry.width_scale",
+    "packing.lattice_gap",
+    "loading.cycles",
+    "output.checkpoint_cycles",
+    "output.keep_beds",
+)
 NO_PHYSICS = ("loading.cycles", "output.", "limits.")
 """Keys that start so say how long a run goes on, what it writes and when it stops, not what it simulates."""
 
@@ -31,8 +36,12 @@ class Key:
         """Say in words what the key may hold."""
         if self.choices:
             return "one of " + ", ".join(str(choice) or '""' for choice in self.choices)
-        name = {float: "a number", int: "a whole number", str: "a text",
-                list: f"a list of {'whole ' if self.item is int else ''}numbers"}[self.kind]
+        name = {
+            float: "a number",
+            int: "a whole number",
+            str: "a text",
+            list: f"a list of {'whole ' if self.item is int else ''}numbers",
+        }[self.kind]
         limits = []
         if self.minimum is not None:
             limits.append(f"{'>' if self.open_minimum else '>='} {self.minimum:g}")

@@ -84,8 +84,12 @@ class Impact:
         if self.wall:
             return wall_law(self.scenario, first.mass)
         second = self.balls[1]
-        return pair_law(code, self.scenario, laws.effective_mass(first.mass, second.mass),
-                        laws.effective_radius(first.radius, second.radius))
+        return pair_law(
+            code,
+            self.scenario,
+            laws.effective_mass(first.mass, second.mass),
+            laws.effective_radius(first.radius, second.radius),
+        )
 
     def probe(self) -> Probe:
         """The case as a probe: 3000 steps in contact, and a few before and after."""
@@ -93,12 +97,9 @@ class Impact:
         first, gap = self.balls[0], STEPS_BEFORE * step * self.normal_speed
         start = np.array([0.0, 0.0, first.radius + gap]) - STEPS_BEFORE * step * np.array(first.velocity) * [1, 1, 0]
         placed = Ball(first.radius, first.mass, tuple(map(float, start)), first.velocity, first.spin)
-        return Probe(self.name,
-                     self.scenario,
-                     step,
-                     3900,
-                     balls=(placed, *self.balls[1:]),
-                     wall="linear" if self.wall else "")
+        return Probe(
+            self.name, self.scenario, step, 3900, balls=(placed, *self.balls[1:]), wall="linear" if self.wall else ""
+        )
 
 
 def read_impact(path: Path) -> Impact:
@@ -108,7 +109,8 @@ def read_impact(path: Path) -> Impact:
             content = tomllib.load(file)
     except OSError as error:
         raise ScenarioError(
-            f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file") from None
+            f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file"
+        ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
 
@@ -128,8 +130,9 @@ def read_impact(path: Path) -> Impact:
         if entry["unit"] != known.unit:
             raise refuse(f"{key}.unit", entry["unit"], f'"{known.unit}"')
         if not known.accepts(entry["value"]) or (key.endswith(".spin") and len(entry["value"]) != 3):
-            raise refuse(f"{key}.value", entry["value"],
-                         known.allowed() + (", three of them" if key.endswith(".spin") else ""))
+            raise refuse(
+                f"{key}.value", entry["value"], known.allowed() + (", three of them" if key.endswith(".spin") else "")
+            )
         values[key] = float(entry["value"]) if known.kind is float else entry["value"]
     if "impact.speed" not in values:
         raise ScenarioError(f"{path.name}: impact.speed is missing; give value and unit")
@@ -142,20 +145,26 @@ def read_impact(path: Path) -> Impact:
     given = [f"{body}.{name}" for body in ("body_1", "body_2") for name in ("shear_modulus", "poisson_ratio")]
     present = [key for key in given if key in values]
     if present and (len(present) < 4 or on_wall):
-        raise refuse(present[0], values[present[0]], "shear_modulus and poisson_ratio of both bodies, or of none"
-                     + (" (walls have stiffnesses: contact.particle_wall)" if on_wall else ""))
+        raise refuse(
+            present[0],
+            values[present[0]],
+            "shear_modulus and poisson_ratio of both bodies, or of none"
+            + (" (walls have stiffnesses: contact.particle_wall)" if on_wall else ""),
+        )
     if present:
         shear, poisson = laws.equivalent_material(*(values[key] for key in given))
         for name, value in (("shear_modulus", shear), ("poisson_ratio", poisson)):
             if f"contact.particle_particle.{name}" in values:
-                raise refuse(f"contact.particle_particle.{name}", value,
-                             f"{name} of the bodies or of the contact, not both")
+                raise refuse(
+                    f"contact.particle_particle.{name}", value, f"{name} of the bodies or of the contact, not both"
+                )
             changes[f"contact__particle_particle__{name}"] = value
     scenario = with_values(load_scenario(base), path.stem, **changes)
     pair = {key: scenario[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution")}
     if scenario["contact.model"] == "hysteretic" and pair["damping_mode"] == 0 and pair["restitution"] == 0:
-        raise refuse("contact.particle_particle.restitution.value", 0.0,
-                     "> 0 with damping_mode 0, which is singular there")
+        raise refuse(
+            "contact.particle_particle.restitution.value", 0.0, "> 0 with damping_mode 0, which is singular there"
+        )
     return _place(path.stem, scenario, values, on_wall)
 
 
@@ -174,9 +183,16 @@ def _place(name: str, scenario: Scenario, values: dict, on_wall: bool) -> Impact
         mass = values[f"{body}.density"] * volume if f"{body}.density" in values else clump.mass_kg
         held = values.get(f"{body}.motion") == "held"
         moving = body == "body_1"
-        bodies.append(Ball(radius, HELD_MASS if held else mass, (0.0, 0.0, radius if moving else -radius),
-                           (speed * math.sin(angle), 0.0, -speed * math.cos(angle)) if moving else (0.0, 0.0, 0.0),
-                           tuple(map(float, values.get(f"{body}.spin", (0.0, 0.0, 0.0)))), held))
+        bodies.append(
+            Ball(
+                radius,
+                HELD_MASS if held else mass,
+                (0.0, 0.0, radius if moving else -radius),
+                (speed * math.sin(angle), 0.0, -speed * math.cos(angle)) if moving else (0.0, 0.0, 0.0),
+                tuple(map(float, values.get(f"{body}.spin", (0.0, 0.0, 0.0)))),
+                held,
+            )
+        )
     return Impact(name, scenario, tuple(bodies), speed * math.cos(angle))
 
 
@@ -189,6 +205,7 @@ def _leaves(table: dict, prefix: str = ""):
 
 
 # ------------------------------------------------------------------ result
+
 
 def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tuple[dict, np.ndarray]:
     """Measures of one code as a row; time, overlap, normal and shear force (4, n) as the series."""
@@ -208,10 +225,14 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
     separated = len(touching) > 0 and touching[-1] + 1 < len(overlap)
     parting = np.einsum("ni,ni->n", relative, normal)
     expected = oracle.head_on(impact.law(code), impact.normal_speed)
-    row = {"code": code, "peak_overlap_m": overlap.max(), "peak_normal_force_N": normal_force.max(),
-           "peak_shear_force_N": np.linalg.norm(shear, axis=1).max(),
-           "duration_s": (touching[-1] - touching[0] + 1) * probe.step if separated else math.nan,
-           "restitution": parting[-1] / impact.normal_speed if separated else math.nan}
+    row = {
+        "code": code,
+        "peak_overlap_m": overlap.max(),
+        "peak_normal_force_N": normal_force.max(),
+        "peak_shear_force_N": np.linalg.norm(shear, axis=1).max(),
+        "duration_s": (touching[-1] - touching[0] + 1) * probe.step if separated else math.nan,
+        "restitution": parting[-1] / impact.normal_speed if separated else math.nan,
+    }
     for k in range(len(probe.balls)):
         for what, values in (("velocity", found.velocity), ("spin", found.spin)):
             unit = "m_s" if what == "velocity" else "rad_s"
@@ -219,15 +240,19 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
     row |= {"expected_restitution": expected.restitution, "expected_peak_overlap_m": expected.peak_overlap_m}
     row["remark"] = "" if separated else "no separation within the time that was run"
     if code == "yade" and isinstance(impact.law(code), oracle.ViscousHertz):
-        row["remark"] = "YADE has no hysteretic law: viscous Hertz law with the same restitution" + "; " * bool(
-            row["remark"]) + row["remark"]
+        row["remark"] = (
+            "YADE has no hysteretic law: viscous Hertz law with the same restitution"
+            + "; " * bool(row["remark"])
+            + row["remark"]
+        )
     return row, np.array([found.time, overlap, normal_force, np.linalg.norm(shear, axis=1)])
 
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = Parser(prog="python -m analysis impact", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(
+        prog="python -m analysis impact", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("case", help="an impact file, or the name of a scenario: its law, head-on at 1 m/s")
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code")
     parser.add_argument("--out", type=Path, default=Path("report/impact"), help="folder of the result")
@@ -253,12 +278,18 @@ def main(argv: list[str]) -> int:
         return 2
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    write_csv(arguments.out / f"{impact.name}.csv",
-              [list(rows[0]), *([f"{v:.9g}" if isinstance(v, float) else v for v in row.values()] for row in rows)])
-    write_csv(arguments.out / f"{impact.name}_series.csv",
-              [["code", "time_s", "overlap_m", "normal_force_N", "shear_force_N"], *series])
+    write_csv(
+        arguments.out / f"{impact.name}.csv",
+        [list(rows[0]), *([f"{v:.9g}" if isinstance(v, float) else v for v in row.values()] for row in rows)],
+    )
+    write_csv(
+        arguments.out / f"{impact.name}_series.csv",
+        [["code", "time_s", "overlap_m", "normal_force_N", "shear_force_N"], *series],
+    )
     for name in rows[0]:
-        print(f"{name:26}" + "".join(f"{row[name]:>16.6g}" if isinstance(row[name], float) else f"{row[name]:>16}"
-                                     for row in rows))
+        print(
+            f"{name:26}"
+            + "".join(f"{row[name]:>16.6g}" if isinstance(row[name], float) else f"{row[name]:>16}" for row in rows)
+        )
     print(arguments.out / f"{impact.name}.csv")
     return 0

@@ -33,45 +33,120 @@ class Mutation:
 MUTATIONS = (
     Mutation(
         "wrong exponent in eq. 8 (1.45 instead of 1.5)",
-        (("contact_laws.h", "const double elastic = 2.0 * contact_size * overlap / (3.0 * (1.0 - poisson_ratio));",
-          "const double elastic = 2.0 * contact_size * std::pow(overlap, 0.95) / (3.0 * (1.0 - poisson_ratio));"), )),
-    Mutation("shear stiffness without the factor 2 in eq. 11",
-             (("contact_laws.h", "const double shear_stiffness = 2.0 * contact_size",
-               "const double shear_stiffness = contact_size"), )),
-    Mutation("friction includes the dashpot (eq. 4 and 12)",
-             (("normal_model_ballast_linear.h", "contact.Fn = response.elastic_force;",
-               "contact.Fn = response.total_force;"),
-              ("normal_model_ballast_hysteretic.h", "contact.Fn = response.elastic_force;",
-               "contact.Fn = response.total_force;"))),
+        (
+            (
+                "contact_laws.h",
+                "const double elastic = 2.0 * contact_size * overlap / (3.0 * (1.0 - poisson_ratio));",
+                "const double elastic = 2.0 * contact_size * std::pow(overlap, 0.95) / (3.0 * (1.0 - poisson_ratio));",
+            ),
+        ),
+    ),
+    Mutation(
+        "shear stiffness without the factor 2 in eq. 11",
+        (
+            (
+                "contact_laws.h",
+                "const double shear_stiffness = 2.0 * contact_size",
+                "const double shear_stiffness = contact_size",
+            ),
+        ),
+    ),
+    Mutation(
+        "friction includes the dashpot (eq. 4 and 12)",
+        (
+            (
+                "normal_model_ballast_linear.h",
+                "contact.Fn = response.elastic_force;",
+                "contact.Fn = response.total_force;",
+            ),
+            (
+                "normal_model_ballast_hysteretic.h",
+                "contact.Fn = response.elastic_force;",
+                "contact.Fn = response.total_force;",
+            ),
+        ),
+    ),
     Mutation(
         "mass of the sphere instead of the clump's in the dashpot (eq. 6-7)",
-        (("normal_model_ballast_linear.h", "-contact.vn, contact.meff,", "-contact.vn, 0.5 * contact.meff,"),
-         ("normal_model_ballast_hysteretic.h", "impact_speed, contact.meff,", "impact_speed, 0.5 * contact.meff,"))),
-    Mutation("eq. 3 left out", (("contact_laws.h", "return approach > overlap ? overlap / approach : 1.0;",
-                                 "return 1.0 + 0.0 * approach * overlap;"), )),
-    Mutation("M_d 0 and 1 swapped (eq. 16)", (("contact_laws.h", "if (damping_mode == 0) return loss / restitution;",
-                                               "if (damping_mode == 1) return loss / std::max(restitution, 0.01);"), )),
-    Mutation("M_d 2 without its exponential (eq. 16)",
-             (("contact_laws.h", "return damping_mode == 2 ? factor * std::exp(2.0 * (1.0 - restitution)) : factor;",
-               "return factor;"), )),
-    Mutation("no limit of the dashpot at small approach speed",
-             (("contact_laws.h", "const bool at_limit = damping * elastic >= critical * impact_speed;",
-               "const bool at_limit = impact_speed <= 0.0;"), )),
-    Mutation("the hysteretic dashpot may pull",
-             (("contact_laws.h",
-               "{elastic, std::max(0.0, elastic + coefficient * closing_speed), shear_stiffness, at_limit}",
-               "{elastic, elastic + coefficient * closing_speed, shear_stiffness, at_limit}"), )),
-    Mutation("shear history kept over a separation",
-             (("contact_laws.h",
-               "return last_touch_step == 0.0 || (last_touch_step != step && last_touch_step != step - 1.0);",
-               "return last_touch_step == 0.0 || step < 0.0;"), )),
-    Mutation("approach speed renewed at every step (eq. 15)", ((
-        "normal_model_ballast_hysteretic.h",
-        "static_cast<double>(update->ntimestep))) return history[impact_speed_];",
-        "static_cast<double>(update->ntimestep)) && history[impact_speed_] < 0.0) return history[impact_speed_];"), )),
+        (
+            ("normal_model_ballast_linear.h", "-contact.vn, contact.meff,", "-contact.vn, 0.5 * contact.meff,"),
+            ("normal_model_ballast_hysteretic.h", "impact_speed, contact.meff,", "impact_speed, 0.5 * contact.meff,"),
+        ),
+    ),
+    Mutation(
+        "eq. 3 left out",
+        (
+            (
+                "contact_laws.h",
+                "return approach > overlap ? overlap / approach : 1.0;",
+                "return 1.0 + 0.0 * approach * overlap;",
+            ),
+        ),
+    ),
+    Mutation(
+        "M_d 0 and 1 swapped (eq. 16)",
+        (
+            (
+                "contact_laws.h",
+                "if (damping_mode == 0) return loss / restitution;",
+                "if (damping_mode == 1) return loss / std::max(restitution, 0.01);",
+            ),
+        ),
+    ),
+    Mutation(
+        "M_d 2 without its exponential (eq. 16)",
+        (
+            (
+                "contact_laws.h",
+                "return damping_mode == 2 ? factor * std::exp(2.0 * (1.0 - restitution)) : factor;",
+                "return factor;",
+            ),
+        ),
+    ),
+    Mutation(
+        "no limit of the dashpot at small approach speed",
+        (
+            (
+                "contact_laws.h",
+                "const bool at_limit = damping * elastic >= critical * impact_speed;",
+                "const bool at_limit = impact_speed <= 0.0;",
+            ),
+        ),
+    ),
+    Mutation(
+        "the hysteretic dashpot may pull",
+        (
+            (
+                "contact_laws.h",
+                "{elastic, std::max(0.0, elastic + coefficient * closing_speed), shear_stiffness, at_limit}",
+                "{elastic, elastic + coefficient * closing_speed, shear_stiffness, at_limit}",
+            ),
+        ),
+    ),
+    Mutation(
+        "shear history kept over a separation",
+        (
+            (
+                "contact_laws.h",
+                "return last_touch_step == 0.0 || (last_touch_step != step && last_touch_step != step - 1.0);",
+                "return last_touch_step == 0.0 || step < 0.0;",
+            ),
+        ),
+    ),
+    Mutation(
+        "approach speed renewed at every step (eq. 15)",
+        (
+            (
+                "normal_model_ballast_hysteretic.h",
+                "static_cast<double>(update->ntimestep))) return history[impact_speed_];",
+                "static_cast<double>(update->ntimestep)) && history[impact_speed_] < 0.0) return history[impact_speed_];",
+            ),
+        ),
+    ),
     Mutation(
         "slip limit without friction's coefficient (eq. 4)",
-        (("tangential_model_ballast_slip.h", "friction_[contact.itype][contact.jtype] * contact.Fn", "contact.Fn"), )),
+        (("tangential_model_ballast_slip.h", "friction_[contact.itype][contact.jtype] * contact.Fn", "contact.Fn"),),
+    ),
 )
 
 
@@ -86,7 +161,8 @@ def mutate(mutation: Mutation, source: Path) -> None:
         text = path.read_text()
         if text.count(old) != 1:
             raise MutationError(
-                f"{mutation.name}: {name} holds {text.count(old)} times `{old}`, expected once; renew the mutation")
+                f"{mutation.name}: {name} holds {text.count(old)} times `{old}`, expected once; renew the mutation"
+            )
         path.write_text(text.replace(old, new))
 
 
@@ -109,18 +185,18 @@ def catching_cases(host: Path, folder: Path) -> list[str]:
     """Names of the cases with a failed row, for a LIGGGHTS executable."""
     engines.HOST = host
     rows = [row for sheet in verify(["liggghts"], folder, CASES) for row in sheet.rows]
-    return [f"{case} ({sum(r.case == case and not r.passed for r in rows)} of {sum(r.case == case for r in rows)} rows)"
-            for case in dict.fromkeys(row.case for row in rows if not row.passed)]
+    return [
+        f"{case} ({sum(r.case == case and not r.passed for r in rows)} of {sum(r.case == case for r in rows)} rows)"
+        for case in dict.fromkeys(row.case for row in rows if not row.passed)
+    ]
 
 
 def main(argv: list[str]) -> int:
     """Command line."""
     parser = Parser(prog="python -m analysis mutations", description=__doc__.split("\n")[0])
-    parser.add_argument("--only",
-                        type=int,
-                        action="append",
-                        metavar="N",
-                        help="only mutation N, from 1 (may be given again)")
+    parser.add_argument(
+        "--only", type=int, action="append", metavar="N", help="only mutation N, from 1 (may be given again)"
+    )
     arguments = parser.parse_args(argv)
     original, unnoticed = Path(tempfile.mkdtemp(prefix="mutations-")), 0
     shutil.copytree(SOURCE / "src", original / "src")
@@ -139,8 +215,11 @@ def main(argv: list[str]) -> int:
             shutil.rmtree(folder, ignore_errors=True)
         wrong = bool(caught) if mutation is None else not caught
         unnoticed += wrong
-        print(f"{number:2}. {mutation.name if mutation else 'unchanged'}: " +
-              (f"caught by {', '.join(caught)}" if caught else "no case fails") + (" <- WRONG" if wrong else ""),
-              flush=True)
+        print(
+            f"{number:2}. {mutation.name if mutation else 'unchanged'}: "
+            + (f"caught by {', '.join(caught)}" if caught else "no case fails")
+            + (" <- WRONG" if wrong else ""),
+            flush=True,
+        )
     shutil.rmtree(original)
     return 1 if unnoticed else 0

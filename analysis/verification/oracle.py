@@ -43,7 +43,8 @@ class Linear:
         if overlap <= 0:
             return 0.0
         return self.elastic(overlap) + speed * laws.linear_dashpot_coefficient(
-            self.damping_ratio, self.mass, self.normal_stiffness)
+            self.damping_ratio, self.mass, self.normal_stiffness
+        )
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,11 @@ class Hysteretic:
         return laws.hertz_normal_force(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
 
     def elastic_slope(self, overlap: float) -> float:
-        return 1.5 * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius) * math.sqrt(
-            max(overlap, 0))
+        return (
+            1.5
+            * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius)
+            * math.sqrt(max(overlap, 0))
+        )
 
     def shear_slope(self, overlap: float) -> float:
         return laws.mindlin_shear_stiffness(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
@@ -93,6 +97,7 @@ class ViscousHertz(Hysteretic):
 
 # ------------------------------------------------------------------ head-on impact
 
+
 @dataclass(frozen=True)
 class Impact:
     """A head-on impact: its measures, and overlap and force over time."""
@@ -118,6 +123,7 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
 
     def opened(t, state):
         return state[0]
+
     opened.terminal, opened.direction = True, -1
 
     found = solve_ivp(motion, (0, 1e3), [0.0, 1.0], events=opened, dense_output=True, atol=1e-13, **TIGHT)
@@ -126,7 +132,7 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
     states = found.sol(grid)
 
     def force_at(u, w):
-        return law.normal(max(u * length, 1e-30), w * speed, speed)      # just in contact at the very start
+        return law.normal(max(u * length, 1e-30), w * speed, speed)  # just in contact at the very start
 
     force = np.array([force_at(u, w) for u, w in states.T])
 
@@ -135,11 +141,19 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
         fine = np.linspace(grid[max(k - 1, 0)], grid[min(k + 1, points - 1)], 401)
         return float(max(function(u, w) for u, w in found.sol(fine).T))
 
-    return Impact(peak(states[0], lambda u, w: u * length), peak(force, force_at),
-                  float(end * scale), -float(found.sol(end)[1]), grid * scale, states[0] * length, force)
+    return Impact(
+        peak(states[0], lambda u, w: u * length),
+        peak(force, force_at),
+        float(end * scale),
+        -float(found.sol(end)[1]),
+        grid * scale,
+        states[0] * length,
+        force,
+    )
 
 
 # ------------------------------------------------------------------ forces along a prescribed path
+
 
 def forces_along(law, overlap, closing_speed, sliding, *, closing_scaled=True, slip_by_total=False):
     """Normal and shear force (N) of one contact after each step of a prescribed motion, eq. 1-16 in their order.
@@ -186,6 +200,7 @@ def shear_along(law, overlap, sliding_speed, times: np.ndarray) -> np.ndarray:
 
 # ------------------------------------------------------------------ a rigid body meets a wall, in a plane
 
+
 class _Contacts:
     """Integrates a motion together with the shear forces of its contacts, each open, sticking or slipping.
 
@@ -217,18 +232,21 @@ class _Contacts:
                 if mode == "stick":
                     modes[k] = self._stick_or_slip(k, kinematics, t, state, len(start))
             events = self._events(modes, kinematics, len(start))
-            found = solve_ivp(lambda time, y: self._rates(time, y, modes, kinematics, motion, len(start)), (t, end),
-                              state,
-                              events=events,
-                              dense_output=True,
-                              atol=1e-12,
-                              max_step=span / 50,
-                              **TIGHT)
+            found = solve_ivp(
+                lambda time, y: self._rates(time, y, modes, kinematics, motion, len(start)),
+                (t, end),
+                state,
+                events=events,
+                dense_output=True,
+                atol=1e-12,
+                max_step=span / 50,
+                **TIGHT,
+            )
             t = found.t[-1]
             while filled < len(times) and times[filled] <= t + 1e-15 * span:
                 y = found.sol(min(times[filled], t))
-                states[filled] = y[:len(start)]
-                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[len(start):])]
+                states[filled] = y[: len(start)]
+                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[len(start) :])]
                 filled += 1
             state = found.y[:, -1].copy()
             if filled == len(times):
@@ -296,10 +314,13 @@ class _Contacts:
                     overlap = max(overlap, 1e-18)
                     root = law.elastic_slope(overlap)
                     return -sign * law.shear_slope(overlap) / root * sliding - law.friction * closing
+
                 add(k, "stick", outruns, -1)
             else:
+
                 def excess(t, y, k=k, law=law):
                     return abs(y[n + k]) - law.friction * law.elastic(max(kinematics(t, y)[k][0], 0.0))
+
                 add(k, "slip", excess, 1)
         return events
 
@@ -320,7 +341,6 @@ class Body:
     inertia: float
     members: tuple[tuple[float, float, float], ...]
 
-
     def levers(self, state) -> list[tuple[float, float, float]]:
         """For each member: overlap with the wall z = 0, and the contact point relative to the body's centre (x, z); it
         lies on the member's radius, half the overlap inside it."""
@@ -340,8 +360,13 @@ class Body:
     def acceleration(self, state, forces, gravity: float) -> np.ndarray:
         """(a_x, a_z, angular acceleration) under [(normal, shear), ...]; the shear force acts along +x on the body."""
         torque = sum(arm * shear - dx * normal for (_, dx, arm), (normal, shear) in zip(self.levers(state), forces))
-        return np.array([sum(shear for _, shear in forces) / self.mass,
-                         sum(normal for normal, _ in forces) / self.mass - gravity, torque / self.inertia])
+        return np.array(
+            [
+                sum(shear for _, shear in forces) / self.mass,
+                sum(normal for normal, _ in forces) / self.mass - gravity,
+                torque / self.inertia,
+            ]
+        )
 
 
 def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, gravity: float = 0.0):
@@ -353,12 +378,24 @@ def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, 
     shears, states = _Contacts(contact_laws).integrate(
         lambda t, state: body.kinematics(state),
         lambda t, state, forces: np.concatenate([state[3:6], body.acceleration(state, forces, gravity)]),
-        np.asarray(start, float), times)
+        np.asarray(start, float),
+        times,
+    )
     return times, states, shears
 
 
-def bounce_in_steps(body: Body, contact_laws, start, step: float, steps: int, every: int = 1, gravity: float = 0.0, *,
-                    closing_scaled=True, slip_by_total=False):
+def bounce_in_steps(
+    body: Body,
+    contact_laws,
+    start,
+    step: float,
+    steps: int,
+    every: int = 1,
+    gravity: float = 0.0,
+    *,
+    closing_scaled=True,
+    slip_by_total=False,
+):
     """The same by the steps of a DEM code, with the laws of other codes as in `forces_along`.
 
     The error is of the order of `step`. Returns states (n, 6), of step 0 and each `every` steps.

@@ -20,8 +20,11 @@ from analysis.files import ROOT
 from analysis.scenarios.scenario import Parameter, Scenario
 
 TIME_LIMIT_S = 250
-ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
-               "ASAN_OPTIONS": "detect_leaks=0"}     # LIGGGHTS does not free all at its end; of use with --host only
+ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "ASAN_OPTIONS": "detect_leaks=0",
+}  # LIGGGHTS does not free all at its end; of use with --host only
 
 
 @dataclass(frozen=True)
@@ -103,10 +106,9 @@ class EngineFailure(RuntimeError):
     """An engine that did not finish; the message is one line with its own error."""
 
 
-def run_probes(code: str,
-               probes: list[Probe],
-               folder: Path,
-               workers: int = 1) -> tuple[dict[str, Trajectory], dict[str, str]]:
+def run_probes(
+    code: str, probes: list[Probe], folder: Path, workers: int = 1
+) -> tuple[dict[str, Trajectory], dict[str, str]]:
     """Run all probes in one engine, below `folder`, at most `workers` at a time.
 
     Returns trajectories by name, and for probes that did not finish one line each.
@@ -138,13 +140,16 @@ def _run_yade(probes: list[Probe], folder: Path):
     listing.write_text(json.dumps(entries))
     message = "yade: no result"
     try:
-        call_engine(["yade", "-j1", "-n", "-x", "yade/verify.py",
-                     str(listing.resolve()),
-                     str(folder.resolve())], folder)
+        call_engine(
+            ["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing.resolve()), str(folder.resolve())], folder
+        )
     except EngineFailure as error:
         message = str(error)
-    found = {probe.name: _from_yade(probe, np.load(path)) for probe in probes
-             if (path := folder / f"{probe.name}.npy").exists()}
+    found = {
+        probe.name: _from_yade(probe, np.load(path))
+        for probe in probes
+        if (path := folder / f"{probe.name}.npy").exists()
+    }
     return found, {probe.name: message for probe in probes if probe.name not in found}
 
 
@@ -155,15 +160,18 @@ def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
 
 
 def _run_liggghts(probes: list[Probe], folder: Path):
-    probe, = probes
+    (probe,) = probes
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "parameters.in").write_text(engines.liggghts_parameters(probe.scenario, seed=1))
     (folder / "case.in").write_text(_liggghts_case(probe))
     if probe.clumps:
         engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in probe.clumps])
-        (folder / "motions.in").write_text("".join(
-            f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
-            for n, clump in enumerate(probe.clumps, start=1)))
+        (folder / "motions.in").write_text(
+            "".join(
+                f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
+                for n, clump in enumerate(probe.clumps, start=1)
+            )
+        )
     deck = "liggghts/verify_clumps.in" if probe.clumps else "liggghts/verify_balls.in"
     try:
         call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
@@ -183,8 +191,11 @@ def _list(values) -> str:
 def _liggghts_case(probe: Probe) -> str:
     """The case as LIGGGHTS variables; those of balls and path segments are lists that the deck walks through."""
     values = {
-        "step": repr(float(probe.step)), "steps": probe.steps, "every": probe.every,
-        "wall": ("", "linear", "hysteretic").index(probe.wall), "gravity": repr(float(probe.gravity))
+        "step": repr(float(probe.step)),
+        "steps": probe.steps,
+        "every": probe.every,
+        "wall": ("", "linear", "hysteretic").index(probe.wall),
+        "gravity": repr(float(probe.gravity)),
     }
     if probe.balls:
         balls = probe.balls
@@ -210,13 +221,15 @@ def call_engine(command: list[str], folder: Path) -> None:
     log, name = folder / "engine.log", Path(command[0]).name
     with open(log, "a") as out:
         try:
-            status = subprocess.run(command,
-                                    cwd=ROOT,
-                                    stdout=out,
-                                    stderr=subprocess.STDOUT,
-                                    env=ENVIRONMENT | os.environ,
-                                    stdin=subprocess.DEVNULL,
-                                    timeout=TIME_LIMIT_S).returncode
+            status = subprocess.run(
+                command,
+                cwd=ROOT,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                env=ENVIRONMENT | os.environ,
+                stdin=subprocess.DEVNULL,
+                timeout=TIME_LIMIT_S,
+            ).returncode
         except subprocess.TimeoutExpired:
             raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
     if status:

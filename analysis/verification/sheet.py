@@ -31,23 +31,50 @@ class Sheet:
     def __init__(self, code: str):
         self.code, self.rows, self.curves = code, [], {}
 
-    def compare(self, case: str, quantity: str, expected: float, measured: float, tolerance: float, reason: str = "",
-                scale: float | None = None) -> None:
+    def compare(
+        self,
+        case: str,
+        quantity: str,
+        expected: float,
+        measured: float,
+        tolerance: float,
+        reason: str = "",
+        scale: float | None = None,
+    ) -> None:
         """Add a row; it passes if |measured - expected| <= tolerance x scale, which is |expected| if not given."""
         expected, measured = float(expected), float(measured)
         scale = abs(expected) if scale is None else abs(scale)
         error = abs(measured - expected)
         relative = error / scale if scale else (0.0 if error == 0 else math.inf)
-        self.rows.append(Row(self.code, case, quantity, expected, measured, error, relative, tolerance,
-                             bool(relative <= tolerance), reason))
+        self.rows.append(
+            Row(
+                self.code,
+                case,
+                quantity,
+                expected,
+                measured,
+                error,
+                relative,
+                tolerance,
+                bool(relative <= tolerance),
+                reason,
+            )
+        )
 
     def compare_curves(self, case: str, quantity: str, expected, measured, tolerance: float, reason: str = "") -> None:
         """Add the worst point of a curve as a row, in relation to the greatest expected value."""
         errors = [abs(e - m) for e, m in zip(expected, measured, strict=True)]
         worst = max(range(len(errors)), key=lambda k: errors[k] if errors[k] == errors[k] else math.inf)
         note = "worst point of the curve, in relation to its greatest value"
-        self.compare(case, quantity, expected[worst], measured[worst], tolerance,
-                     f"{note}; {reason}" if reason else note, scale=max(map(abs, expected)))
+        self.compare(
+            case,
+            quantity,
+            expected[worst],
+            measured[worst],
+            tolerance,
+            f"{note}; {reason}" if reason else note,
+            scale=max(map(abs, expected)),
+        )
 
     def fail(self, case: str, message: str) -> None:
         """Add a row for a case that could not be run."""
@@ -74,6 +101,7 @@ def write_rows(path: Path, rows: list[Row]) -> None:
     """Write the table; numbers with nine digits."""
     lines = [[field.name for field in fields(Row)]]
     for row in rows:
-        lines.append([f"{v:.9g}" if isinstance(v, float) else str(v).lower() if isinstance(v, bool) else v
-                      for v in astuple(row)])
+        lines.append(
+            [f"{v:.9g}" if isinstance(v, float) else str(v).lower() if isinstance(v, bool) else v for v in astuple(row)]
+        )
     write_csv(path, lines)

@@ -34,7 +34,7 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
     Last comes the sheet of what needs no engine. Cases that an engine does not finish are failed rows.
     """
     for code in codes:
-        engines.versions(code)      # refuses an engine that is missing
+        engines.versions(code)  # refuses an engine that is missing
     workers = max(1, (os.cpu_count() or 1) // len(codes)) if codes else 1
     with ThreadPoolExecutor(max(1, len(codes))) as pool:
         sheets = list(pool.map(lambda code: _verify_code(code, folder / code, chosen, workers), codes))
@@ -48,8 +48,9 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
 def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Sheet:
     sheet = Sheet(code)
     wanted = [case for case in (make(code) for make in PROBED) if not chosen or case.name in chosen]
-    found, failures = run_probes(code, [probe for case in wanted for probe in case.probes()], folder / "probes",
-                                 workers)
+    found, failures = run_probes(
+        code, [probe for case in wanted for probe in case.probes()], folder / "probes", workers
+    )
     for case in wanted:
         failed = [failures[probe.name] for probe in case.probes() if probe.name in failures]
         if failed:
@@ -106,8 +107,10 @@ def main(argv: list[str]) -> int:
         sheet.write_curves(arguments.out / "verification")
     print(summary(rows))
     failed = [row for row in rows if not row.passed]
-    print(f"{len(rows) - len(failed)} of {len(rows)} comparisons pass; {time.monotonic() - start:.0f} s; "
-          f"{arguments.out / 'verification.csv'}")
+    print(
+        f"{len(rows) - len(failed)} of {len(rows)} comparisons pass; {time.monotonic() - start:.0f} s; "
+        f"{arguments.out / 'verification.csv'}"
+    )
     return 1 if failed or not rows else 0
 
 
@@ -123,6 +126,8 @@ def summary(rows) -> str:
         lines.append(line)
     lines += [
         f"FAILED {row.code} {row.case}: {row.quantity}: expected {row.expected:.6g}, measured {row.measured:.6g}, "
-        f"error {row.rel_error:.2g} > {row.tolerance:g}; {row.reason}" for row in rows if not row.passed
+        f"error {row.rel_error:.2g} > {row.tolerance:g}; {row.reason}"
+        for row in rows
+        if not row.passed
     ]
     return "\n".join(lines)

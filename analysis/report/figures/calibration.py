@@ -35,14 +35,35 @@ def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canv
     colour, _ = g.look(beds["scenario"].iloc[0])
     for bed in packed.itertuples():
         is_chosen = (bed.aspect, bed.lattice_gap_m) == chosen
-        c.axes.plot(bed.clumps, bed.porosity_mean, "o", color=colour, markersize=6, markeredgewidth=1.3,
-                    markerfacecolor=colour if is_chosen else PAPER)
+        c.axes.plot(
+            bed.clumps,
+            bed.porosity_mean,
+            "o",
+            color=colour,
+            markersize=6,
+            markeredgewidth=1.3,
+            markerfacecolor=colour if is_chosen else PAPER,
+        )
         text = f"aspect {bed.aspect:g}" if bed.lattice_gap_m == chosen[1] else f"gap {bed.lattice_gap_m * MM:g} mm"
-        c.axes.annotate(text, (bed.clumps, bed.porosity_mean), xytext=(6, 0), textcoords="offset points", va="center",
-                        fontsize=8, color=colour)
+        c.axes.annotate(
+            text,
+            (bed.clumps, bed.porosity_mean),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=8,
+            color=colour,
+        )
     c.axes.plot(REPORTED_CLUMPS, REPORTED_POROSITY, "+", color=INK, markersize=13, markeredgewidth=1.6)
-    c.axes.annotate("paper", (REPORTED_CLUMPS, REPORTED_POROSITY), xytext=(-8, 5), textcoords="offset points",
-                    ha="right", fontsize=8, color=INK)
+    c.axes.annotate(
+        "paper",
+        (REPORTED_CLUMPS, REPORTED_POROSITY),
+        xytext=(-8, 5),
+        textcoords="offset points",
+        ha="right",
+        fontsize=8,
+        color=INK,
+    )
     c.axes.axvspan(0.98 * REPORTED_CLUMPS, 1.02 * REPORTED_CLUMPS, color=SOFT, alpha=0.12, linewidth=0)
     c.axes.set(xlabel="clumps after packing (grey: ± 2 % of the paper's)", ylabel="mean porosity of the three spheres")
     c.axes.margins(0.14, 0.1)

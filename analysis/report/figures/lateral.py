@@ -101,7 +101,9 @@ def lateral_figure(
         c.axes.set_title(f"after {cycle} cycle{'s' if cycle > 1 else ''}")
         pending_mark(c, pending, rows)
         if len(rows):
-            frames.append(reference_csv(rows, depth_m="depth_m", lateral_value_m="value", error_m="error", cycle="cycle"))
+            frames.append(
+                reference_csv(rows, depth_m="depth_m", lateral_value_m="value", error_m="error", cycle="cycle")
+            )
         c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
         drawn.append(c)
     return g.finish(name, title, caption, drawn, runs, curves, pending)

@@ -28,7 +28,10 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     for curve in curves:
         top = curve.setup["loading.stress_max"] if curve.setup else 460e3
         draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top)
-    for limit, text in ((TRACKING_AIM["linear"], "aim, linear bed"), (TRACKING_AIM["hysteretic"], "aim, nonlinear bed")):
+    for limit, text in (
+        (TRACKING_AIM["linear"], "aim, linear bed"),
+        (TRACKING_AIM["hysteretic"], "aim, nonlinear bed"),
+    ):
         error.axes.axhline(limit, color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)), zorder=1)
         error.axes.text(
             0.015,

@@ -133,7 +133,9 @@ def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
 def plate_laws(book: Book) -> list[dict]:
     """A table and figures per profile and contact model: what the law that holds the plates decides."""
     parts = []
-    runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1]
+    runs = [
+        run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1
+    ]
     for profile in book.profiles:
         for base in KEY_SCENARIOS:
             named = re.compile(re.escape(base) + r"(-plates-\w+)?")
@@ -193,7 +195,9 @@ def plate_table(runs: Sequence[Run], cycle: int) -> Table:
                 name_of(run),
                 number(row["settlement_m"], 3, MM),
                 f"{number(moved.min(), 2, MM)} to {number(moved.max(), 2, MM)}",
-                f"{number(stress.mean(axis=0).min(), 3, KPA)} to {number(stress.mean(axis=0).max(), 3, KPA)}" if known else "–",
+                f"{number(stress.mean(axis=0).min(), 3, KPA)} to {number(stress.mean(axis=0).max(), 3, KPA)}"
+                if known
+                else "–",
                 f"{number(stress.min(), 2, KPA)}, {number(stress.max(), 2, KPA)}" if known else "–",
                 "–"
                 if last is None

@@ -172,7 +172,9 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
         count = len({v.claim.number for v in verdicts if v.verdict == verdict})
         if count:
             total = len({v.claim.number for v in verdicts})
-            lines.append(f"{count} of the paper's {total} claims {one if count == 1 else more}: {claim_numbers(verdicts, verdict)}.")
+            lines.append(
+                f"{count} of the paper's {total} claims {one if count == 1 else more}: {claim_numbers(verdicts, verdict)}."
+            )
     return lines
 
 

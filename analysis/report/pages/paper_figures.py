@@ -213,9 +213,7 @@ def mode_figures(
     undamped = of_family(runs, "nonlinear")
     by_mode = {mode: of_family(runs, f"md{mode}") for mode in MODE_NAMES}
     return [
-        figure(
-            g, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption
-        )
+        figure(g, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption)
         for mode, damped in by_mode.items()
         if damped
     ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption_alone)]

@@ -69,7 +69,11 @@ def picture(
             for z in (0, scene.sleeper.high[2])
         ]
     )
-    crowns = beds.positions(bed) + [0, 0, clump.radius_m + clump.half_distance_m]  # also of clumps thrown out of the cribs
+    crowns = beds.positions(bed) + [
+        0,
+        0,
+        clump.radius_m + clump.half_distance_m,
+    ]  # also of clumps thrown out of the cribs
     crowns[:, 2] = np.minimum(crowns[:, 2], MOST_HEIGHT * scene.sleeper.high[2])
     view = render.camera(np.vstack([corners, crowns]), azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
     faces = [

@@ -58,8 +58,14 @@ class FreeRotation:
         self.code, self.scenario = code, load_scenario("linear-mu0.8")
         self.clump = derived.clump(self.scenario)
         step = derived.time_grid(self.scenario).step_s
-        self._probe = Probe("free-rotation", self.scenario, step, 100_000, every=100,
-                            clumps=(ClumpAt((X, Y, 0.2), velocity=(0.1, -0.05, 0.02), spin=self.SPIN),))
+        self._probe = Probe(
+            "free-rotation",
+            self.scenario,
+            step,
+            100_000,
+            every=100,
+            clumps=(ClumpAt((X, Y, 0.2), velocity=(0.1, -0.05, 0.02), spin=self.SPIN),),
+        )
 
     def probes(self) -> list[Probe]:
         return [self._probe]
@@ -67,45 +73,74 @@ class FreeRotation:
     def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
         rows = found[self._probe.name]
         motion = Motion(self.clump, rows)
-        momentum = np.array([
-            self.clump.inertia_transverse_kgm2 * self.SPIN[0], self.clump.inertia_transverse_kgm2 * self.SPIN[1],
-            self.clump.inertia_axial_kgm2 * self.SPIN[2]
-        ])
+        momentum = np.array(
+            [
+                self.clump.inertia_transverse_kgm2 * self.SPIN[0],
+                self.clump.inertia_transverse_kgm2 * self.SPIN[1],
+                self.clump.inertia_axial_kgm2 * self.SPIN[2],
+            ]
+        )
         energy = 0.5 * momentum @ np.array(self.SPIN) + 0.5 * self.clump.mass_kg * (0.1**2 + 0.05**2 + 0.02**2)
         reason = "closed form, 1e5 steps of the scenario"
         if self.code == "yade":
             sheet.compare(
-                self.name, "kinetic_energy_J", energy,
-                motion.kinetic_energy()[-1, 0], 0.005, reason + "; YADE's "
-                "rotation gains energy in proportion to step, time and spin, and keeps the angular momentum")
+                self.name,
+                "kinetic_energy_J",
+                energy,
+                motion.kinetic_energy()[-1, 0],
+                0.005,
+                reason + "; YADE's "
+                "rotation gains energy in proportion to step, time and spin, and keeps the angular momentum",
+            )
         else:
             sheet.compare(self.name, "kinetic_energy_J", energy, motion.kinetic_energy()[-1, 0], 0.001, reason)
         size = np.linalg.norm(momentum)
         for k, axis in enumerate("xyz"):
-            sheet.compare(self.name,
-                          f"angular_momentum_{axis}_kgm2_s",
-                          momentum[k],
-                          motion.angular_momentum()[-1, 0, k],
-                          0.001,
-                          reason + "; in relation to its size",
-                          scale=size)
+            sheet.compare(
+                self.name,
+                f"angular_momentum_{axis}_kgm2_s",
+                momentum[k],
+                motion.angular_momentum()[-1, 0, k],
+                0.001,
+                reason + "; in relation to its size",
+                scale=size,
+            )
         expected = precession(motion.axis[1, 0], momentum, self.clump.inertia_transverse_kgm2, rows.time - rows.time[1])
         for k, axis in enumerate("xyz"):
             sheet.compare_curves(
-                self.name, f"axis_{axis}", expected[1:, k], motion.axis[1:, 0, k], 0.005,
-                f"closed form over {size / self.clump.inertia_transverse_kgm2 * rows.time[-1] / 2 / math.pi:.1f} turns")
-        sheet.compare(self.name, "contacts between the clump's own spheres", 0, rows.contacts.max(), 0.0,
-                      "they overlap, never act")
-        sheet.compare(self.name, "force_N between the clump's own spheres", 0,
-                      np.abs(rows.force).max(), 0.0, "they overlap, never act")
+                self.name,
+                f"axis_{axis}",
+                expected[1:, k],
+                motion.axis[1:, 0, k],
+                0.005,
+                f"closed form over {size / self.clump.inertia_transverse_kgm2 * rows.time[-1] / 2 / math.pi:.1f} turns",
+            )
+        sheet.compare(
+            self.name,
+            "contacts between the clump's own spheres",
+            0,
+            rows.contacts.max(),
+            0.0,
+            "they overlap, never act",
+        )
+        sheet.compare(
+            self.name,
+            "force_N between the clump's own spheres",
+            0,
+            np.abs(rows.force).max(),
+            0.0,
+            "they overlap, never act",
+        )
         pick = slice(1, None, 5)
-        sheet.curve(self.name,
-                    "axis",
-                    time_s=rows.time[pick],
-                    axis_x=motion.axis[pick, 0, 0],
-                    axis_x_expected=expected[pick, 0],
-                    axis_z=motion.axis[pick, 0, 2],
-                    axis_z_expected=expected[pick, 2])
+        sheet.curve(
+            self.name,
+            "axis",
+            time_s=rows.time[pick],
+            axis_x=motion.axis[pick, 0, 0],
+            axis_x_expected=expected[pick, 0],
+            axis_z=motion.axis[pick, 0, 2],
+            axis_z_expected=expected[pick, 2],
+        )
 
 
 def precession(axis: np.ndarray, momentum: np.ndarray, transverse: float, times: np.ndarray) -> np.ndarray:
@@ -125,16 +160,23 @@ class Bounces:
 
     name, title = "clump-bounce", "A clump bounces off the wall"
     # lean of the axis (degrees), velocity (x, z), spin about y
-    FALLS = {"upright": (0.0, 0.0, -1.0, 0.0), "flat": (90.0, 0.3, -1.0, 0.0), "leaning": (35.0, 0.5, -1.0, 0.0),
-             "two-ends": (86.0, -0.4, -1.0, 5.0), "spinning": (60.0, 1.0, -0.5, -40.0)}
+    FALLS = {
+        "upright": (0.0, 0.0, -1.0, 0.0),
+        "flat": (90.0, 0.3, -1.0, 0.0),
+        "leaning": (35.0, 0.5, -1.0, 0.0),
+        "two-ends": (86.0, -0.4, -1.0, 5.0),
+        "spinning": (60.0, 1.0, -0.5, -40.0),
+    }
 
     def __init__(self, code: str):
         self.code = code
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         self.clump = derived.clump(linear)
-        self._entries = [(f"{name}-{label}", scenario, *self._probe(f"clump-{name}-{label}", scenario, *fall))
-                         for label, scenario in (("linear", linear), ("damped", nonlinear))
-                         for name, fall in self.FALLS.items()]
+        self._entries = [
+            (f"{name}-{label}", scenario, *self._probe(f"clump-{name}-{label}", scenario, *fall))
+            for label, scenario in (("linear", linear), ("damped", nonlinear))
+            for name, fall in self.FALLS.items()
+        ]
 
     def _probe(self, name: str, scenario: Scenario, lean: float, vx: float, vz: float, spin: float):
         law = wall_law(scenario, self.clump.mass_kg)
@@ -142,8 +184,15 @@ class Bounces:
         reach = self.clump.radius_m + self.clump.half_distance_m * abs(math.cos(math.radians(lean)))
         height = reach - 20.4 * step * vz
         start = (0.0, height, math.radians(lean), vx, vz, spin)
-        probe = Probe(name, scenario, step, 4000, wall="linear", every=4, clumps=(ClumpAt(
-            (X, Y, height), about_y(lean), (vx, 0.0, vz), (0.0, spin, 0.0)),))
+        probe = Probe(
+            name,
+            scenario,
+            step,
+            4000,
+            wall="linear",
+            every=4,
+            clumps=(ClumpAt((X, Y, height), about_y(lean), (vx, 0.0, vz), (0.0, spin, 0.0)),),
+        )
         return probe, start
 
     def probes(self) -> list[Probe]:
@@ -161,26 +210,39 @@ class Bounces:
             reason = "rigid body integrated by scipy; error in relation to the incoming speed"
             if self.code == "yade" and law.damping_ratio:
                 paper, states = states[-1][3:], own_slip_limit(body, [law, law], start, probe)
-                reason = "{}: its own value, {:+.2g}, {:+.2g} m/s and {:+.2g} rad/s from the paper's law".format(
-                    OWN_SLIP_LIMIT, *(states[-1][3:] - paper)) + "; error in relation to the incoming speed"
+                reason = (
+                    "{}: its own value, {:+.2g}, {:+.2g} m/s and {:+.2g} rad/s from the paper's law".format(
+                        OWN_SLIP_LIMIT, *(states[-1][3:] - paper)
+                    )
+                    + "; error in relation to the incoming speed"
+                )
             measured = (motion.velocity[-1, 0, 0], motion.velocity[-1, 0, 2], motion.spin[-1, 0, 1])
             scales = (speed, speed, speed / h)
-            for quantity, expected, value, scale in zip(("velocity_x_m_s", "velocity_z_m_s", "spin_rad_s"),
-                                                        states[-1][3:], measured, scales):
+            for quantity, expected, value, scale in zip(
+                ("velocity_x_m_s", "velocity_z_m_s", "spin_rad_s"), states[-1][3:], measured, scales
+            ):
                 sheet.compare(self.name, f"{quantity} of {name}", expected, value, 0.005, reason, scale=scale)
             if name.startswith("upright"):
-                sheet.compare(self.name, f"restitution of {name}", laws.dashpot_restitution(law.damping_ratio),
-                              -measured[1] / start[4], 0.005, "closed form with the mass of the whole clump")
+                sheet.compare(
+                    self.name,
+                    f"restitution of {name}",
+                    laws.dashpot_restitution(law.damping_ratio),
+                    -measured[1] / start[4],
+                    0.005,
+                    "closed form with the mass of the whole clump",
+                )
             pick = slice(None, None, 10)
-            sheet.curve(self.name,
-                        name,
-                        time_s=rows.time[pick],
-                        velocity_x_m_s=motion.velocity[pick, 0, 0],
-                        velocity_x_m_s_expected=states[pick, 3],
-                        velocity_z_m_s=motion.velocity[pick, 0, 2],
-                        velocity_z_m_s_expected=states[pick, 4],
-                        spin_rad_s=motion.spin[pick, 0, 1],
-                        spin_rad_s_expected=states[pick, 5])
+            sheet.curve(
+                self.name,
+                name,
+                time_s=rows.time[pick],
+                velocity_x_m_s=motion.velocity[pick, 0, 0],
+                velocity_x_m_s_expected=states[pick, 3],
+                velocity_z_m_s=motion.velocity[pick, 0, 2],
+                velocity_z_m_s_expected=states[pick, 4],
+                spin_rad_s=motion.spin[pick, 0, 1],
+                spin_rad_s_expected=states[pick, 5],
+            )
 
 
 class Pairs:
@@ -194,14 +256,16 @@ class Pairs:
         self.clump = derived.clump(linear)
         mass, radius = self.clump.mass_kg / 2, self.clump.radius_m
         self._entries = []
-        for name, scenario in (("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
-                               ("hysteretic", damped)):
+        for name, scenario in (
+            ("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
+            ("hysteretic", damped),
+        ):
             law = pair_law(code, scenario, mass, laws.effective_radius(radius, radius))
             step = oracle.head_on(law, self.SPEED).duration_s / 2000
             reach = radius + self.clump.half_distance_m + 10.2 * step * self.SPEED
             clumps = tuple(
-                ClumpAt((X + side * reach, Y, 0.2), about_y(90), (-side * self.SPEED / 2, 0.0, 0.0))
-                for side in (-1, 1))
+                ClumpAt((X + side * reach, Y, 0.2), about_y(90), (-side * self.SPEED / 2, 0.0, 0.0)) for side in (-1, 1)
+            )
             self._entries.append((name, law, Probe(f"clump-pair-{name}", scenario, step, 2200, clumps=clumps)))
 
     def probes(self) -> list[Probe]:
@@ -235,27 +299,50 @@ class Column:
     def __init__(self, code: str):
         self.code = code
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-        smooth = {"contact__particle_particle__friction": 0.0, "contact__particle_wall__friction": 0.0,
-                  "contact__particle_wall__damping_ratio": 0.0}
+        smooth = {
+            "contact__particle_particle__friction": 0.0,
+            "contact__particle_wall__friction": 0.0,
+            "contact__particle_wall__damping_ratio": 0.0,
+        }
         self.clump = derived.clump(linear)
         pitch = 2 * self.clump.radius_m + 2e-3
         clumps = tuple(
             ClumpAt((X + 1e-3 * k, Y + 5e-4 * k, self.clump.radius_m + 1e-3 + k * pitch), about_y(90 + 3 * k))
-            for k in range(3))
+            for k in range(3)
+        )
         self._column = {
-            "linear": Probe("energy-linear", with_values(linear, "smooth", **smooth), 1e-6, 100_000, clumps=clumps,
-                            wall="linear", gravity=9.81, every=50),
-            "hertz": Probe("energy-hertz", with_values(nonlinear, "smooth", **smooth), 2e-6, 100_000, clumps=clumps,
-                           wall="linear", gravity=9.81, every=50)}
+            "linear": Probe(
+                "energy-linear",
+                with_values(linear, "smooth", **smooth),
+                1e-6,
+                100_000,
+                clumps=clumps,
+                wall="linear",
+                gravity=9.81,
+                every=50,
+            ),
+            "hertz": Probe(
+                "energy-hertz",
+                with_values(nonlinear, "smooth", **smooth),
+                2e-6,
+                100_000,
+                clumps=clumps,
+                wall="linear",
+                gravity=9.81,
+                every=50,
+            ),
+        }
         height = self.clump.radius_m + self.clump.half_distance_m * math.sin(math.radians(4.0)) + 2e-5
         slider = (ClumpAt((X, Y, height), about_y(86.0), (1.0, 0.2, -0.3), (0.0, 10.0, 0.0)),)
-        self._slider = Probe("energy-friction",
-                             with_values(nonlinear, "rough", contact__particle_wall__friction=0.3),
-                             5e-7,
-                             6000,
-                             clumps=slider,
-                             wall="linear",
-                             gravity=9.81)
+        self._slider = Probe(
+            "energy-friction",
+            with_values(nonlinear, "rough", contact__particle_wall__friction=0.3),
+            5e-7,
+            6000,
+            clumps=slider,
+            wall="linear",
+            gravity=9.81,
+        )
 
     def probes(self) -> list[Probe]:
         return [*self._column.values(), self._slider]
@@ -267,11 +354,17 @@ class Column:
             time = found[probe.name].time
             sheet.compare(self.name, f"energy_J of the {name} column", total[1], total[-1], 0.005, "after 1e5 steps")
             worst = 1 + int(np.argmax(np.abs(total[1:] - total[1])))
-            sheet.compare(self.name, f"energy_J of the {name} column, worst row", total[1], total[worst], 0.005,
-                          "over 1e5 steps")
+            sheet.compare(
+                self.name, f"energy_J of the {name} column, worst row", total[1], total[worst], 0.005, "over 1e5 steps"
+            )
             pick = slice(1, None, 10)
-            sheet.curve(self.name, f"{name} column", time_s=time[pick], energy_J=total[pick],
-                        energy_J_expected=np.full_like(total[pick], total[1]))
+            sheet.curve(
+                self.name,
+                f"{name} column",
+                time_s=time[pick],
+                energy_J=total[pick],
+                energy_J_expected=np.full_like(total[pick], total[1]),
+            )
         self._judge_friction(found[self._slider.name], sheet)
 
     def _energies(self, probe: Probe, found: Trajectory):
@@ -296,8 +389,9 @@ class Column:
                 if isinstance(pair, oracle.Linear):
                     elastic += 0.5 * pair.normal_stiffness * overlap**2
                 else:
-                    elastic += 0.4 * laws.hertz_coefficient(pair.shear_modulus, pair.poisson_ratio,
-                                                            pair.radius) * overlap**2.5
+                    elastic += (
+                        0.4 * laws.hertz_coefficient(pair.shear_modulus, pair.poisson_ratio, pair.radius) * overlap**2.5
+                    )
         return kinetic, potential, elastic
 
     def _judge_friction(self, found: Trajectory, sheet: Sheet) -> None:
@@ -309,14 +403,31 @@ class Column:
         slip_work, dashpot_work = dissipation(law, self.clump.radius_m, found, probe.step)
         total = kinetic + potential + elastic + np.cumsum(slip_work + dashpot_work)
         lost = kinetic[1] + potential[1] - kinetic[-1] - potential[-1]
-        sheet.compare(self.name, "dissipated_J with friction and dashpot", lost, (slip_work + dashpot_work).sum(),
-                      0.005, f"lost kinetic and potential energy; {slip_work.sum() / lost:.0%} of it by slip")
+        sheet.compare(
+            self.name,
+            "dissipated_J with friction and dashpot",
+            lost,
+            (slip_work + dashpot_work).sum(),
+            0.005,
+            f"lost kinetic and potential energy; {slip_work.sum() / lost:.0%} of it by slip",
+        )
         worst = 1 + int(np.argmax(np.abs(total[1:] - total[1])))
-        sheet.compare(self.name, "energy_J with friction and dashpot, worst row", total[1], total[worst], 0.005,
-                      "kinetic + potential + elastic + dissipated")
+        sheet.compare(
+            self.name,
+            "energy_J with friction and dashpot, worst row",
+            total[1],
+            total[worst],
+            0.005,
+            "kinetic + potential + elastic + dissipated",
+        )
         pick = slice(1, None, 20)
-        sheet.curve(self.name, "friction", time_s=found.time[pick], energy_J=total[pick],
-                    energy_J_expected=np.full_like(total[pick], total[1]))
+        sheet.curve(
+            self.name,
+            "friction",
+            time_s=found.time[pick],
+            energy_J=total[pick],
+            energy_J_expected=np.full_like(total[pick], total[1]),
+        )
 
 
 def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -334,13 +445,15 @@ def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: floa
         turned = (spin[1:] + spin[:-1]) / 2 * step
         arm = radius - np.maximum(overlap[1:], 0) / 2
         along = np.column_stack([moved[:, 0] - arm * turned[:, 1], moved[:, 1] + arm * turned[:, 0]])
-        share = np.where(touching[:-1], 1.0,
-                         np.clip(overlap[1:] / np.where(moved[:, 2] != 0, -moved[:, 2], 1.0), 0.0, 1.0))
+        share = np.where(
+            touching[:-1], 1.0, np.clip(overlap[1:] / np.where(moved[:, 2] != 0, -moved[:, 2], 1.0), 0.0, 1.0)
+        )
         change = np.diff(force[:, :2], axis=0)
         mean = (force[1:, :2] + force[:-1, :2]) / 2
-        slip[1:] -= np.einsum("ij,ij->i", mean,
-                              along * share[:, None] + change / law.shear_stiffness) * (touching[1:] | touching[:-1])
-        dashpot[1:] += coefficient * moved[:, 2]**2 / step * (touching[1:])
+        slip[1:] -= np.einsum("ij,ij->i", mean, along * share[:, None] + change / law.shear_stiffness) * (
+            touching[1:] | touching[:-1]
+        )
+        dashpot[1:] += coefficient * moved[:, 2] ** 2 / step * (touching[1:])
     return slip, dashpot
 
 

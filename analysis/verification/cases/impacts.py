@@ -23,14 +23,26 @@ YADE_HYSTERETIC = "YADE has no hysteretic law: viscous Hertz law with the same r
 
 # ------------------------------------------------------------------ what to expect of a scenario's contact
 
+
 def pair_law(code: str, scenario: Scenario, mass: float, radius: float):
     """Law between two spheres: `mass` by eq. 7, `radius` by eq. 9; for YADE the law that stands in for e_n < 1."""
-    get = {key: scenario[f"contact.particle_particle.{key}"] for key in (
-        "normal_stiffness", "shear_stiffness", "damping_ratio", "friction", "shear_modulus", "poisson_ratio",
-        "restitution", "damping_mode")}
+    get = {
+        key: scenario[f"contact.particle_particle.{key}"]
+        for key in (
+            "normal_stiffness",
+            "shear_stiffness",
+            "damping_ratio",
+            "friction",
+            "shear_modulus",
+            "poisson_ratio",
+            "restitution",
+            "damping_mode",
+        )
+    }
     if scenario["contact.model"] == "linear":
-        return oracle.Linear(get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"],
-                             mass)
+        return oracle.Linear(
+            get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"], mass
+        )
     factor = laws.damping_factor(get["damping_mode"], get["restitution"])
     elastic = (get["shear_modulus"], get["poisson_ratio"], radius, get["friction"])
     if code == "yade" and factor:
@@ -40,24 +52,35 @@ def pair_law(code: str, scenario: Scenario, mass: float, radius: float):
 
 def wall_law(scenario: Scenario, mass: float) -> oracle.Linear:
     """Law between a sphere or clump of this mass and the study's walls."""
-    return oracle.Linear(*(scenario[f"contact.particle_wall.{key}"] for key in (
-        "normal_stiffness", "shear_stiffness", "friction", "damping_ratio")), mass)
+    return oracle.Linear(
+        *(
+            scenario[f"contact.particle_wall.{key}"]
+            for key in ("normal_stiffness", "shear_stiffness", "friction", "damping_ratio")
+        ),
+        mass,
+    )
 
 
 # ------------------------------------------------------------------ a head-on impact
 
-def against_ball(name: str, scenario: Scenario, law, radius: float, mass: float, speed: float,
-                 plane_factor: float = 0.0) -> Probe:
+
+def against_ball(
+    name: str, scenario: Scenario, law, radius: float, mass: float, speed: float, plane_factor: float = 0.0
+) -> Probe:
     """Two equal spheres that approach at `speed`, or one on a held sphere `plane_factor` times as large."""
     step, steps = _resolution(law, speed)
     gap = STEPS_BEFORE * step * speed
     if plane_factor:
         size = plane_factor * radius
-        balls = (Ball(radius, mass, (0.0, 0.0, radius + gap), (0.0, 0.0, -speed)),
-                 Ball(size, 1e12, (0.0, 0.0, -size), held=True))
+        balls = (
+            Ball(radius, mass, (0.0, 0.0, radius + gap), (0.0, 0.0, -speed)),
+            Ball(size, 1e12, (0.0, 0.0, -size), held=True),
+        )
     else:
-        balls = (Ball(radius, mass, (0.0, 0.0, radius + gap), (0.0, 0.0, -speed / 2)),
-                 Ball(radius, mass, (0.0, 0.0, -radius), (0.0, 0.0, speed / 2)))
+        balls = (
+            Ball(radius, mass, (0.0, 0.0, radius + gap), (0.0, 0.0, -speed / 2)),
+            Ball(radius, mass, (0.0, 0.0, -radius), (0.0, 0.0, speed / 2)),
+        )
     return Probe(name, scenario, step, steps, balls=balls)
 
 
@@ -92,10 +115,16 @@ def measure(probe: Probe, found: Trajectory) -> tuple[dict[str, float], np.ndarr
     for inside, outside in ((touching[0], touching[0] - 1), (touching[-1], touching[-1] + 1)):
         share = overlap[inside] / (overlap[inside] - overlap[outside])
         ends.append(inside + share * (outside - inside))
-    return {
-        "peak_overlap_m": overlap.max(), "peak_force_N": force.max(), "duration_s": (ends[1] - ends[0]) * probe.step,
-        "restitution": speed[-1] / approach
-    }, overlap, force
+    return (
+        {
+            "peak_overlap_m": overlap.max(),
+            "peak_force_N": force.max(),
+            "duration_s": (ends[1] - ends[0]) * probe.step,
+            "restitution": speed[-1] / approach,
+        },
+        overlap,
+        force,
+    )
 
 
 class Impacts:
@@ -104,8 +133,16 @@ class Impacts:
     def __init__(self, name: str, title: str):
         self.name, self.title, self._entries = name, title, []
 
-    def add(self, probe: Probe, law, speed: float, tolerance: float = 0.002, reason: str = "",
-            expected: dict[str, float] | None = None, only: tuple[str, ...] = MEASURES) -> None:
+    def add(
+        self,
+        probe: Probe,
+        law,
+        speed: float,
+        tolerance: float = 0.002,
+        reason: str = "",
+        expected: dict[str, float] | None = None,
+        only: tuple[str, ...] = MEASURES,
+    ) -> None:
         """`expected` replaces values of the oracle, e.g. by closed forms; `only` names what to compare."""
         self._entries.append((probe, law, speed, tolerance, reason, expected or {}, only))
 
@@ -121,27 +158,40 @@ class Impacts:
                 sheet.compare(self.name, f"{quantity} of {probe.name}", expected, measured[quantity], tolerance, reason)
             time = found[probe.name].time - STEPS_BEFORE * probe.step
             pick = impact.time_s[::8]
-            sheet.curve(self.name, probe.name, time_s=pick, force_N=np.interp(pick, time, force),
-                        force_N_expected=impact.force_N[::8], overlap_m=np.interp(pick, time, overlap),
-                        overlap_m_expected=impact.overlap_m[::8])
+            sheet.curve(
+                self.name,
+                probe.name,
+                time_s=pick,
+                force_N=np.interp(pick, time, force),
+                force_N_expected=impact.force_N[::8],
+                overlap_m=np.interp(pick, time, overlap),
+                overlap_m_expected=impact.overlap_m[::8],
+            )
 
 
 # ------------------------------------------------------------------ cases
+
 
 def head_on_impacts(code: str) -> Impacts:
     """Case 1: two spheres of the clump's radius and mass, linear and hysteretic, at two speeds."""
     cases = Impacts("head-on", "Head-on impact of two spheres")
     linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
     clump = derived.clump(linear)
-    mass, radius = laws.effective_mass(clump.mass_kg,
-                                       clump.mass_kg), laws.effective_radius(clump.radius_m, clump.radius_m)
+    mass, radius = (
+        laws.effective_mass(clump.mass_kg, clump.mass_kg),
+        laws.effective_radius(clump.radius_m, clump.radius_m),
+    )
     for speed in (0.1, 1.0):
         law = pair_law(code, linear, mass, radius)
         probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
         cases.add(probe, law, speed, expected=laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
         for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
-            scenario = with_values(nonlinear, "head-on", contact__particle_particle__damping_mode=mode,
-                                   contact__particle_particle__restitution=nominal)
+            scenario = with_values(
+                nonlinear,
+                "head-on",
+                contact__particle_particle__damping_mode=mode,
+                contact__particle_particle__restitution=nominal,
+            )
             law = pair_law(code, scenario, mass, radius)
             factor = laws.damping_factor(mode, nominal)
             name = f"md{mode}-en{nominal:g}-{speed:g}"
@@ -153,14 +203,17 @@ def head_on_impacts(code: str) -> Impacts:
                 reason = YADE_HYSTERETIC + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
                     paper["peak_overlap_m"] / yade.peak_overlap_m - 1,
                     oracle.head_on(pair_law("liggghts", scenario, mass, radius), speed).peak_force_N / yade.peak_force_N
-                    - 1)
+                    - 1,
+                )
             elif factor > laws.LIMIT_FREE_FACTOR:
                 closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
-            cases.add(against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
-                      law,
-                      speed,
-                      reason=reason,
-                      expected=closed)
+            cases.add(
+                against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
+                law,
+                speed,
+                reason=reason,
+                expected=closed,
+            )
     return cases
 
 
@@ -168,8 +221,10 @@ def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> di
     coefficient = laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)
     if factor == 0:
         return laws.hertz_impact(mass, coefficient, speed)
-    return {"peak_overlap_m": laws.hysteretic_peak_overlap(mass, coefficient, factor, speed),
-            "restitution": laws.effective_restitution(factor)}
+    return {
+        "peak_overlap_m": laws.hysteretic_peak_overlap(mass, coefficient, factor, speed),
+        "restitution": laws.effective_restitution(factor),
+    }
 
 
 def wall_dashpot(code: str) -> Impacts:
@@ -179,10 +234,12 @@ def wall_dashpot(code: str) -> Impacts:
     clump = derived.clump(scenario)
     law = wall_law(scenario, clump.mass_kg)
     for speed in (0.1, 1.0):
-        cases.add(against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
-                  law,
-                  speed,
-                  expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed))
+        cases.add(
+            against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
+            law,
+            speed,
+            expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed),
+        )
     return cases
 
 
@@ -192,39 +249,55 @@ ALUMINIUM, MAGNESIUM = (70e9, 0.30, 2699.0), (40e9, 0.35, 1800.0)
 ALUMINIUM_OXIDE, CAST_IRON = (380e9, 0.23, 4000.0), (100e9, 0.25, 7000.0)
 
 
-def _material(name: str,
-              young: float,
-              poisson: float,
-              rigid_plane: bool,
-              mode: int = 1,
-              nominal: float = 1.0) -> Scenario:
+def _material(
+    name: str, young: float, poisson: float, rigid_plane: bool, mode: int = 1, nominal: float = 1.0
+) -> Scenario:
     """The hysteretic scenario with another material; a rigid plane doubles the moduli of the contact."""
     shear = young / (2 * (1 + poisson))
     shear, poisson = laws.equivalent_material(shear, poisson, math.inf if rigid_plane else shear, poisson)
-    return with_values(load_scenario("nonlinear-en1.0"), name, contact__particle_particle__shear_modulus=shear,
-                       contact__particle_particle__poisson_ratio=poisson, contact__particle_particle__damping_mode=mode,
-                       contact__particle_particle__restitution=nominal)
+    return with_values(
+        load_scenario("nonlinear-en1.0"),
+        name,
+        contact__particle_particle__shear_modulus=shear,
+        contact__particle_particle__poisson_ratio=poisson,
+        contact__particle_particle__damping_mode=mode,
+        contact__particle_particle__restitution=nominal,
+    )
 
 
 def chung_ooi(code: str) -> Impacts:
     """Case 4: tests 1 to 3. The rigid plane of 2 and 3 is a wall with the particles' law in LIGGGHTS, a held sphere
     10^4 times as large in YADE, because the study's own walls are linear; the dashpot of 3 is also tried on those."""
     cases = Impacts("chung-ooi", "Chung and Ooi (2011), tests 1, 2 and 3")
-    for name, (young, poisson, density), published in (("glass", GLASS, "274.1 um, 10.70 kN, 40.3 us"),
-                                                       ("limestone", LIMESTONE, "368.3 um, 7.11 kN, 54.2 us")):
+    for name, (young, poisson, density), published in (
+        ("glass", GLASS, "274.1 um, 10.70 kN, 40.3 us"),
+        ("limestone", LIMESTONE, "368.3 um, 7.11 kN, 54.2 us"),
+    ):
         mass = density * 4 / 3 * math.pi * 0.01**3
         scenario = _material(name, young, poisson, False)
         law = pair_law(code, scenario, mass / 2, laws.effective_radius(0.01, 0.01))
-        cases.add(against_ball(f"test1-{name}", scenario, law, 0.01, mass, 20.0), law, 20.0,
-                  reason=f"published: {published}", expected=_hysteretic_closed_form(mass / 2, law, 0.0, 20.0))
-    for name, (young, poisson, density), published in (("aluminium", ALUMINIUM, "49.72 um, 11.37 kN, 731.7 us"),
-                                                       ("magnesium", MAGNESIUM, "52.12 um, 7.23 kN, 767.1 us")):
+        cases.add(
+            against_ball(f"test1-{name}", scenario, law, 0.01, mass, 20.0),
+            law,
+            20.0,
+            reason=f"published: {published}",
+            expected=_hysteretic_closed_form(mass / 2, law, 0.0, 20.0),
+        )
+    for name, (young, poisson, density), published in (
+        ("aluminium", ALUMINIUM, "49.72 um, 11.37 kN, 731.7 us"),
+        ("magnesium", MAGNESIUM, "52.12 um, 7.23 kN, 767.1 us"),
+    ):
         mass = density * 4 / 3 * math.pi * 0.1**3
         scenario = _material(name, young, poisson, True)
         law = pair_law(code, scenario, mass, laws.effective_radius(0.1))
         probe, place = _on_plane(code, f"test2-{name}", scenario, law, 0.1, mass, 0.2)
-        cases.add(probe, law, 0.2, reason=f"published: {published}; {place}",
-                  expected=_hysteretic_closed_form(mass, law, 0.0, 0.2))
+        cases.add(
+            probe,
+            law,
+            0.2,
+            reason=f"published: {published}; {place}",
+            expected=_hysteretic_closed_form(mass, law, 0.0, 0.2),
+        )
     for name, (young, poisson, density) in (("oxide", ALUMINIUM_OXIDE), ("iron", CAST_IRON)):
         mass = density * 4 / 3 * math.pi * 0.0025**3
         for out in (0.2, 0.4, 0.6, 0.8, 1.0):
@@ -235,15 +308,18 @@ def chung_ooi(code: str) -> Impacts:
             if laws.damping_factor(2, laws.nominal_restitution(2, out)) > laws.LIMIT_FREE_FACTOR and code == "liggghts":
                 reason += "; the dashpot meets its limit, which adds 0.3 %"
             cases.add(probe, law, 3.9, 0.005, reason, {"restitution": out}, ("restitution",))
-            scenario = with_values(load_scenario("nonlinear-en1.0"), name,
-                                   contact__particle_wall__damping_ratio=laws.damping_ratio_of(out))
+            scenario = with_values(
+                load_scenario("nonlinear-en1.0"), name, contact__particle_wall__damping_ratio=laws.damping_ratio_of(out)
+            )
             law = wall_law(scenario, mass)
-            cases.add(against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"),
-                      law,
-                      3.9,
-                      expected={"restitution": out},
-                      only=("restitution", ),
-                      reason="the study's wall: linear with dashpot")
+            cases.add(
+                against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"),
+                law,
+                3.9,
+                expected={"restitution": out},
+                only=("restitution",),
+                reason="the study's wall: linear with dashpot",
+            )
     return cases
 
 
@@ -263,16 +339,23 @@ class Oblique:
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         self.code, self.clump = code, derived.clump(linear)
         slippery = with_values(nonlinear, "slippery", contact__particle_wall__friction=0.3)
-        self._entries = [(label, scenario, angle, self._probe(label, scenario, angle)) for label, scenario in (
-            ("linear-mu0.8", linear), ("damped-mu0.9", nonlinear), ("damped-mu0.3", slippery)) for angle in self.ANGLES]
+        self._entries = [
+            (label, scenario, angle, self._probe(label, scenario, angle))
+            for label, scenario in (("linear-mu0.8", linear), ("damped-mu0.9", nonlinear), ("damped-mu0.3", slippery))
+            for angle in self.ANGLES
+        ]
 
     def _probe(self, label: str, scenario: Scenario, angle: int) -> Probe:
         law = wall_law(scenario, self.clump.mass_kg)
         duration = laws.linear_impact(law.mass, law.normal_stiffness, law.damping_ratio, 1.0)["duration_s"]
         step = duration / 1000
         normal, sliding = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        ball = Ball(self.clump.radius_m, self.clump.mass_kg,
-                    (0.0, 0.0, self.clump.radius_m + STEPS_BEFORE * step * normal), (sliding, 0.0, -normal))
+        ball = Ball(
+            self.clump.radius_m,
+            self.clump.mass_kg,
+            (0.0, 0.0, self.clump.radius_m + STEPS_BEFORE * step * normal),
+            (sliding, 0.0, -normal),
+        )
         return Probe(f"oblique-{label}-{angle}", scenario, step, 1080, balls=(ball,), wall="linear")
 
     def probes(self) -> list[Probe]:
@@ -291,8 +374,10 @@ class Oblique:
             expected, reason = paper, "oracle"
             if self.code == "yade" and law.damping_ratio:
                 expected = own_slip_limit(body, [law], start, probe)[-1][3:]
-                reason = f"{OWN_SLIP_LIMIT}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and " \
-                         f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
+                reason = (
+                    f"{OWN_SLIP_LIMIT}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
+                    f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
+                )
             restitution = laws.dashpot_restitution(law.damping_ratio)
             sliding = x - law.friction * (1 + restitution) * -z
             if abs(sliding - expected[0]) < 1e-6 * x:
@@ -300,35 +385,54 @@ class Oblique:
             last = found[probe.name]
             measured = (last.velocity[-1, 0, 0], last.velocity[-1, 0, 2], last.spin[-1, 0, 1])
             where = f"of {label} at {angle} deg"
-            sheet.compare(self.name, f"tangential_velocity_m_s {where}", expected[0], measured[0], 0.005,
-                          reason + "; error in relation to the incoming velocity along the wall", scale=x)
-            sheet.compare(self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005,
-                          "closed form")
-            sheet.compare(self.name, f"spin_rad_s {where}", expected[2], measured[2], 0.005,
-                          reason + "; error in relation to that velocity over the radius", scale=x / radius)
+            sheet.compare(
+                self.name,
+                f"tangential_velocity_m_s {where}",
+                expected[0],
+                measured[0],
+                0.005,
+                reason + "; error in relation to the incoming velocity along the wall",
+                scale=x,
+            )
+            sheet.compare(
+                self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005, "closed form"
+            )
+            sheet.compare(
+                self.name,
+                f"spin_rad_s {where}",
+                expected[2],
+                measured[2],
+                0.005,
+                reason + "; error in relation to that velocity over the radius",
+                scale=x / radius,
+            )
             curves.setdefault(label, []).append((angle, measured[0], expected[0], measured[2], expected[2]))
         for label, points in curves.items():
             columns = np.array(points).T
-            sheet.curve(self.name,
-                        label,
-                        angle_deg=columns[0],
-                        tangential_velocity_m_s=columns[1],
-                        tangential_velocity_m_s_expected=columns[2],
-                        spin_rad_s=columns[3],
-                        spin_rad_s_expected=columns[4])
+            sheet.curve(
+                self.name,
+                label,
+                angle_deg=columns[0],
+                tangential_velocity_m_s=columns[1],
+                tangential_velocity_m_s_expected=columns[2],
+                spin_rad_s=columns[3],
+                spin_rad_s_expected=columns[4],
+            )
 
 
 def own_slip_limit(body: oracle.Body, contact_laws, start, probe: Probe) -> np.ndarray:
     """States (rows, 6) of a bounce with YADE's law at walls with a dashpot, at a quarter of the engine's step."""
-    return oracle.bounce_in_steps(body,
-                                  contact_laws,
-                                  start,
-                                  probe.step / 4,
-                                  4 * probe.steps,
-                                  4 * probe.every,
-                                  probe.gravity,
-                                  closing_scaled=False,
-                                  slip_by_total=True)
+    return oracle.bounce_in_steps(
+        body,
+        contact_laws,
+        start,
+        probe.step / 4,
+        4 * probe.steps,
+        4 * probe.every,
+        probe.gravity,
+        closing_scaled=False,
+        slip_by_total=True,
+    )
 
 
 class NoApproach:
@@ -346,9 +450,20 @@ class NoApproach:
         step = derived.time_grid(scenario).step_s
         r, mass = self.clump.radius_m, self.clump.mass_kg
         self._starts = {"touching": (-1e-12, 1e-9), "overlapping": (1e-4, 0.0)}
-        self._probes = [Probe(f"no-approach-{name}", scenario, step, 6000, gravity=9.81, balls=(
-            Ball(r, mass, (0.0, 0.0, 2 * r - overlap), (0.0, 0.0, -speed)), Ball(r, 1e12, (0.0, 0.0, 0.0), held=True)))
-            for name, (overlap, speed) in self._starts.items()]
+        self._probes = [
+            Probe(
+                f"no-approach-{name}",
+                scenario,
+                step,
+                6000,
+                gravity=9.81,
+                balls=(
+                    Ball(r, mass, (0.0, 0.0, 2 * r - overlap), (0.0, 0.0, -speed)),
+                    Ball(r, 1e12, (0.0, 0.0, 0.0), held=True),
+                ),
+            )
+            for name, (overlap, speed) in self._starts.items()
+        ]
 
     def probes(self) -> list[Probe]:
         return self._probes
@@ -366,15 +481,23 @@ class NoApproach:
             if self.code == "yade":
                 reason = "YADE's viscous Hertz law needs no limit: its own oracle"
             sheet.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
-            sheet.curve(self.name,
-                        probe.name,
-                        time_s=rows.time[::30],
-                        overlap_m=overlap[::30],
-                        overlap_m_expected=expected[::30])
+            sheet.curve(
+                self.name,
+                probe.name,
+                time_s=rows.time[::30],
+                overlap_m=overlap[::30],
+                overlap_m_expected=expected[::30],
+            )
             if self.code == "yade":
-                continue    # its weaker dashpot has not brought the sphere to rest by then, and has no limit to count
-            sheet.compare(self.name, f"overlap_at_rest_m of {probe.name}", static, overlap[-1], 0.005,
-                          "closed form: weight = Hertz force")
+                continue  # its weaker dashpot has not brought the sphere to rest by then, and has no limit to count
+            sheet.compare(
+                self.name,
+                f"overlap_at_rest_m of {probe.name}",
+                static,
+                overlap[-1],
+                0.005,
+                "closed form: weight = Hertz force",
+            )
             resting = int(rows.at_limit[-1])
             sheet.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
 
@@ -386,8 +509,16 @@ def sink(law, overlap: float, speed: float, gravity: float, times: np.ndarray) -
     def motion(t, state):
         return [state[1], gravity - law.normal(state[0], state[1], approach) / law.mass]
 
-    found = solve_ivp(motion, (0, times[-1]), [overlap, speed], t_eval=times, rtol=1e-9, atol=1e-13, method="LSODA",
-                      max_step=times[-1] / 200)
+    found = solve_ivp(
+        motion,
+        (0, times[-1]),
+        [overlap, speed],
+        t_eval=times,
+        rtol=1e-9,
+        atol=1e-13,
+        method="LSODA",
+        max_step=times[-1] / 200,
+    )
     return found.y[0]
 
 

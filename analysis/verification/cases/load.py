@@ -41,24 +41,26 @@ class LoadedColumn:
         base = load_scenario("linear-mu0.8")
         clump, box = derived.clump(base), derived.apparatus(base)
         length, width = 2 * (clump.radius_m + clump.half_distance_m + CLEARANCE), 2 * (clump.radius_m + CLEARANCE)
-        share = length * width / box.sleeper_area_m2        # mass and drag per area are those of the study
-        return with_values(base,
-                           f"column-{law}",
-                           geometry__box_length=length,
-                           geometry__box_width=width,
-                           geometry__sleeper_length=length,
-                           geometry__sleeper_width=width,
-                           geometry__sleeper_base=2 * LAYERS * clump.radius_m + 1e-7,
-                           contact__particle_particle__friction=0.0,
-                           contact__particle_wall__friction=0.0,
-                           load_control__sleeper_law=law,
-                           load_control__plate_law="fixed",
-                           load_control__pfc_contact_floor=1,
-                           load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
-                           load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
-                           loading__cycles=2,
-                           output__checkpoint_cycles=2,
-                           output__keep_beds=[2])
+        share = length * width / box.sleeper_area_m2  # mass and drag per area are those of the study
+        return with_values(
+            base,
+            f"column-{law}",
+            geometry__box_length=length,
+            geometry__box_width=width,
+            geometry__sleeper_length=length,
+            geometry__sleeper_width=width,
+            geometry__sleeper_base=2 * LAYERS * clump.radius_m + 1e-7,
+            contact__particle_particle__friction=0.0,
+            contact__particle_wall__friction=0.0,
+            load_control__sleeper_law=law,
+            load_control__plate_law="fixed",
+            load_control__pfc_contact_floor=1,
+            load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
+            load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
+            loading__cycles=2,
+            output__checkpoint_cycles=2,
+            output__keep_beds=[2],
+        )
 
     def run(self, folder: Path, workers: int = 1) -> None:
         """Preload and load both columns."""
@@ -68,8 +70,10 @@ class LoadedColumn:
     def _run(self, scenario: Scenario, run_dir: Path) -> None:
         engines.write_inputs(scenario, run_dir, seed=1)
         clump, box = derived.clump(scenario), derived.apparatus(scenario)
-        engines.write_bed(run_dir / "raw" / "bed_packed.csv", [
-            (box.length_m / 2, box.width_m / 2, (2 * k + 1) * clump.radius_m, *about_y(90)) for k in range(LAYERS)])
+        engines.write_bed(
+            run_dir / "raw" / "bed_packed.csv",
+            [(box.length_m / 2, box.width_m / 2, (2 * k + 1) * clump.radius_m, *about_y(90)) for k in range(LAYERS)],
+        )
         call_engine(engines.command(self.code, "preload", run_dir), run_dir)
         checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engines.CHECKPOINT_SUFFIX[self.code]}"
         call_engine(engines.command(self.code, "cyclic", run_dir, checkpoint), run_dir)
@@ -82,33 +86,74 @@ class LoadedColumn:
         area = derived.apparatus(scenario).sleeper_area_m2
         weight = LAYERS * derived.clump(scenario).mass_kg * scenario["packing.final_gravity"]
         preload = _columns(raw / "preload.csv")
-        sheet.compare(self.name, f"static stress_Pa, {law}", scenario["preload.sleeper_stress"],
-                      preload["sleeper_stress_Pa"][-1], 0.005, "at the end of preload")
+        sheet.compare(
+            self.name,
+            f"static stress_Pa, {law}",
+            scenario["preload.sleeper_stress"],
+            preload["sleeper_stress_Pa"][-1],
+            0.005,
+            "at the end of preload",
+        )
         floor, sleeper = self._contact_sums(raw / "contacts_preloaded.csv")
-        sheet.compare(self.name, f"contact force on the floor_N, {law}",
-                      scenario["preload.sleeper_stress"] * area + weight, floor, 0.005,
-                      "static: sleeper force and weight of the clumps")
-        sheet.compare(self.name, f"sum of contact forces on the sleeper_N at rest, {law}",
-                      preload["sleeper_stress_Pa"][-1] * area, sleeper, 0.005, "wall reaction at the last row")
+        sheet.compare(
+            self.name,
+            f"contact force on the floor_N, {law}",
+            scenario["preload.sleeper_stress"] * area + weight,
+            floor,
+            0.005,
+            "static: sleeper force and weight of the clumps",
+        )
+        sheet.compare(
+            self.name,
+            f"sum of contact forces on the sleeper_N at rest, {law}",
+            preload["sleeper_stress_Pa"][-1] * area,
+            sleeper,
+            0.005,
+            "wall reaction at the last row",
+        )
 
         rows, grid = _columns(raw / "cyclic.csv"), derived.time_grid(scenario)
         second = rows["step"] > grid.steps_per_cycle
         sway, error = expected_response(scenario, law)
-        measured = _harmonic(rows["time_s"][second], rows["sleeper_displacement_m"][second],
-                             scenario["loading.frequency"])
-        sheet.compare(self.name, f"displacement amplitude_m at 20 Hz, {law}", abs(sway), abs(measured), 0.005,
-                      "chain of masses and springs, second cycle")
+        measured = _harmonic(
+            rows["time_s"][second], rows["sleeper_displacement_m"][second], scenario["loading.frequency"]
+        )
+        sheet.compare(
+            self.name,
+            f"displacement amplitude_m at 20 Hz, {law}",
+            abs(sway),
+            abs(measured),
+            0.005,
+            "chain of masses and springs, second cycle",
+        )
         rms = math.sqrt(rows["sleeper_error_ms_Pa2"][second].mean())
-        sheet.compare(self.name, f"tracking error_Pa rms, {law}", abs(error) / math.sqrt(2), rms, 0.02,
-                      "same chain; 2 %: what is left of the start of loading")
+        sheet.compare(
+            self.name,
+            f"tracking error_Pa rms, {law}",
+            abs(error) / math.sqrt(2),
+            rms,
+            0.02,
+            "same chain; 2 %: what is left of the start of loading",
+        )
         sums = self._contact_sums(raw / "contacts_cycle_000002.csv")
-        sheet.compare(self.name, f"sum of contact forces on the sleeper_N under load, {law}",
-                      rows["sleeper_stress_Pa"][-1] * area, sums[1], 0.005, "wall reaction at the last row")
+        sheet.compare(
+            self.name,
+            f"sum of contact forces on the sleeper_N under load, {law}",
+            rows["sleeper_stress_Pa"][-1] * area,
+            sums[1],
+            0.005,
+            "wall reaction at the last row",
+        )
 
         time, mean = rows["time_s"][second], rows["sleeper_displacement_m"][second].mean()
         turns = np.exp(2j * math.pi * scenario["loading.frequency"] * time)
-        sheet.curve(self.name, law, time_s=time, sleeper_displacement_m=rows["sleeper_displacement_m"][second],
-                    sleeper_displacement_m_expected=mean + (sway * turns).real)
+        sheet.curve(
+            self.name,
+            law,
+            time_s=time,
+            sleeper_displacement_m=rows["sleeper_displacement_m"][second],
+            sleeper_displacement_m_expected=mean + (sway * turns).real,
+        )
 
     @staticmethod
     def _contact_sums(path: Path) -> tuple[float, float]:
@@ -123,7 +168,7 @@ def expected_response(scenario: Scenario, law: str) -> tuple[complex, complex]:
     clump, box, control = derived.clump(scenario), derived.apparatus(scenario), derived.load_control(scenario)
     omega = 2 * math.pi * scenario["loading.frequency"]
     wall, pair = (2 * scenario[f"contact.{which}.normal_stiffness"] for which in ("particle_wall", "particle_particle"))
-    springs = [wall, *[pair] * (LAYERS - 1), wall]          # floor first; each clump rests on two contacts
+    springs = [wall, *[pair] * (LAYERS - 1), wall]  # floor first; each clump rests on two contacts
     system = np.zeros((LAYERS + 1, LAYERS + 1), complex)
     for k, spring in enumerate(springs):
         for i in (k - 1, k):
@@ -132,11 +177,12 @@ def expected_response(scenario: Scenario, law: str) -> tuple[complex, complex]:
                     system[i, j] += spring if i == j else -spring
     system[range(LAYERS), range(LAYERS)] -= omega**2 * clump.mass_kg
     if law == "force":
-        system[LAYERS, LAYERS] += -omega**2 * control["sleeper_mass"] + 1j * omega * control["sleeper_drag"]
+        system[LAYERS, LAYERS] += -(omega**2) * control["sleeper_mass"] + 1j * omega * control["sleeper_drag"]
     else:
         contacts = 2
         speed_per_force = scenario["load_control.pfc_gain"] / (
-            scenario["contact.particle_wall.normal_stiffness"] * contacts * derived.time_grid(scenario).step_s)
+            scenario["contact.particle_wall.normal_stiffness"] * contacts * derived.time_grid(scenario).step_s
+        )
         system[LAYERS, LAYERS] += 1j * omega / speed_per_force
     # the stress is mean - amplitude cos(omega t)
     force = -(scenario["loading.stress_max"] - scenario["loading.stress_min"]) / 2 * box.sleeper_area_m2

@@ -20,7 +20,7 @@ SLIDING = ((0.0, 1.0), 60)
 BACK = ((0.0, -1.0), 60)
 UNLOADING = ((-0.7, -0.4), 12)
 RELOADING = ((0.9, 4.0), 20)
-SEPARATION = ((-2.6, 0.3), 13)     # so fast that the dashpots would pull
+SEPARATION = ((-2.6, 0.3), 13)  # so fast that the dashpots would pull
 CLOSING_AGAIN = ((1.1, -0.6), 30)
 PATH = (LOADING, SLIDING, BACK, UNLOADING, RELOADING, SEPARATION, CLOSING_AGAIN)
 
@@ -46,19 +46,22 @@ class Paths:
         }
         self._probes = {name: self._probe(name, *entry) for name, entry in self._entries.items()}
 
-    def _probe(self, name: str, scenario: Scenario, wall: bool, step: float, length: float, stretch: float,
-               gap: float) -> Probe:
+    def _probe(
+        self, name: str, scenario: Scenario, wall: bool, step: float, length: float, stretch: float, gap: float
+    ) -> Probe:
         r, mass, speed = self.clump.radius_m, self.clump.mass_kg, length / step
         height = r if wall else 2 * r
         balls = (Ball(r, mass, (0.0, 0.0, height + gap * length)), Ball(r, HELD_MASS, (0.0, 0.0, 0.0), held=True))
         path = tuple(((slide * stretch * speed, 0.0, -close * speed), steps) for (close, slide), steps in PATH)
-        return Probe(f"path-{name}",
-                     scenario,
-                     step,
-                     sum(steps for _, steps in PATH),
-                     path=path,
-                     wall="linear" if wall else "",
-                     balls=balls[:1] if wall else balls)
+        return Probe(
+            f"path-{name}",
+            scenario,
+            step,
+            sum(steps for _, steps in PATH),
+            path=path,
+            wall="linear" if wall else "",
+            balls=balls[:1] if wall else balls,
+        )
 
     def probes(self) -> list[Probe]:
         return list(self._probes.values())
@@ -93,7 +96,7 @@ class Paths:
             law = pair_law(self.code, scenario, laws.effective_mass(mass, HELD_MASS), laws.effective_radius(r, r))
         deviates = {"closing_scaled": False, "slip_by_total": True} if self.code == "yade" else {}
         normal_force, shear_force = oracle.forces_along(law, overlap, closing, sliding, **deviates)
-        force = found.force[1:len(normal) + 1, 0]
+        force = found.force[1 : len(normal) + 1, 0]
         measured_normal, measured_shear = (np.einsum("ij,ij->i", force, axis) for axis in (normal, along))
 
         reason, tolerance = "oracle, eq. 1-16 step by step", 1e-4
@@ -104,32 +107,41 @@ class Paths:
 
         ends = np.cumsum([steps for _, steps in PATH])
         closes = int(np.flatnonzero(overlap[1:] > 0)[0])
-        again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1:] > 0)[0])
+        again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1 :] > 0)[0])
         for step, what in ((closes, "after the closing step"), (again, "after closing again")):
             note = "eq. 3: share of the step in contact" if not deviates else "YADE has no eq. 3: the whole step counts"
-            sheet.compare(self.name, f"shear_force_N {what} of {name}", shear_force[step], measured_shear[step],
-                          tolerance, note)
-        apart = int((overlap[ends[4]:ends[5]] < 0).sum()) // 2 + ends[4] + 1
+            sheet.compare(
+                self.name, f"shear_force_N {what} of {name}", shear_force[step], measured_shear[step], tolerance, note
+            )
+        apart = int((overlap[ends[4] : ends[5]] < 0).sum()) // 2 + ends[4] + 1
         while overlap[apart] >= 0:
             apart += 1
-        sheet.compare(self.name, f"force_N while apart of {name}", 0.0,
-                      np.abs(force[apart - 1]).max(), 0.0, "no contact")
+        sheet.compare(
+            self.name, f"force_N while apart of {name}", 0.0, np.abs(force[apart - 1]).max(), 0.0, "no contact"
+        )
         slips = ends[4] - 1
         limit = law.friction * law.elastic(overlap[slips + 1])
         note = "friction x elastic force, without the dashpot"
         if deviates:
             paper, limit = limit, law.friction * abs(normal_force[slips])
             note = f"{OWN_SLIP_LIMIT}; the paper's law: {paper:.4g} N"
-        sheet.compare(self.name, f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}", limit,
-                      abs(measured_shear[slips]), tolerance, note)
-        sheet.curve(self.name,
-                    name,
-                    step=np.arange(1,
-                                   len(normal) + 1),
-                    normal_force_N=measured_normal,
-                    normal_force_N_expected=normal_force,
-                    shear_force_N=measured_shear,
-                    shear_force_N_expected=shear_force)
+        sheet.compare(
+            self.name,
+            f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}",
+            limit,
+            abs(measured_shear[slips]),
+            tolerance,
+            note,
+        )
+        sheet.curve(
+            self.name,
+            name,
+            step=np.arange(1, len(normal) + 1),
+            normal_force_N=measured_normal,
+            normal_force_N_expected=normal_force,
+            shear_force_N=measured_shear,
+            shear_force_N_expected=shear_force,
+        )
 
 
 CASES = (Paths,)

@@ -22,20 +22,37 @@ class Porosity:
         cells = range(-14, 15)
         cubic = np.array(list(itertools.product(cells, cells, cells)), float) * 2 * RADIUS
         measured, error = self._measure(cubic, 0.134)
-        sheet.compare(self.name, "porosity of a simple cubic lattice", 1 - math.pi / 6, measured, 0.005,
-                      f"standard error {error:.4f}; the sphere cuts 13 spheres across")
+        sheet.compare(
+            self.name,
+            "porosity of a simple cubic lattice",
+            1 - math.pi / 6,
+            measured,
+            0.005,
+            f"standard error {error:.4f}; the sphere cuts 13 spheres across",
+        )
         measured, error = self._measure(hexagonal(RADIUS, 0.2), 0.134)
-        sheet.compare(self.name, "porosity of a hexagonal close-packed lattice", 1 - math.pi / math.sqrt(18), measured,
-                      0.01, f"standard error {error:.4f}")
+        sheet.compare(
+            self.name,
+            "porosity of a hexagonal close-packed lattice",
+            1 - math.pi / math.sqrt(18),
+            measured,
+            0.01,
+            f"standard error {error:.4f}",
+        )
         for share in (0.5, 1.0, 1.75):
             distance = share * RADIUS
             pair = np.array([[0.0, 0.0, -distance / 2], [0.0, 0.0, distance / 2]])
-            cap = math.pi * (2 * RADIUS - distance)**2 * (distance**2 + 4 * distance * RADIUS) / (12 * distance)
+            cap = math.pi * (2 * RADIUS - distance) ** 2 * (distance**2 + 4 * distance * RADIUS) / (12 * distance)
             volume = 8 / 3 * math.pi * RADIUS**3 - cap
             measured, error = self._measure(pair, 0.025)
-            sheet.compare(self.name, f"porosity around two spheres {share:g} r apart",
-                          1 - volume / (4 / 3 * math.pi * 0.025**3), measured, 0.005,
-                          f"standard error {error:.4f}; the overlap counts once")
+            sheet.compare(
+                self.name,
+                f"porosity around two spheres {share:g} r apart",
+                1 - volume / (4 / 3 * math.pi * 0.025**3),
+                measured,
+                0.005,
+                f"standard error {error:.4f}; the overlap counts once",
+            )
 
     @staticmethod
     def _measure(centres: np.ndarray, radius: float) -> tuple[float, float]:
@@ -46,8 +63,10 @@ class Porosity:
 def hexagonal(radius: float, reach: float) -> np.ndarray:
     """Centres of touching spheres in hexagonal close packing within `reach` of the origin; m, shape (n, 3)."""
     d, n = 2 * radius, int(reach / radius)
-    points = [(d * (i + (j + k) % 2 / 2), d * math.sqrt(3) / 2 * (j + k % 2 / 3), d * math.sqrt(2 / 3) * k)
-              for i, j, k in itertools.product(range(-n, n + 1), repeat=3)]
+    points = [
+        (d * (i + (j + k) % 2 / 2), d * math.sqrt(3) / 2 * (j + k % 2 / 3), d * math.sqrt(2 / 3) * k)
+        for i, j, k in itertools.product(range(-n, n + 1), repeat=3)
+    ]
     centres = np.array(points)
     return centres[(centres**2).sum(axis=1) < reach**2]
 
