@@ -11,12 +11,13 @@ import pytest
 from synthetic import write_run
 
 from analysis import load_runs
-from analysis.comparison import claims
-from analysis.comparison.claimed_quantities import profile_error, seconds_per_cycle, slope
-from analysis.comparison.claims import ClaimError, evaluate_claims, load_claims, to_frame
-from analysis.comparison.evidence import FAILS, HOLDS, OPEN, Evidence
+from analysis.comparison.claims import verdicts
+from analysis.comparison.claims.checks import CHECKS
+from analysis.comparison.claims.claimed_quantities import profile_error, seconds_per_cycle, slope
+from analysis.comparison.claims.evidence import FAILS, HOLDS, OPEN, Evidence
+from analysis.comparison.claims.uncertainty import Estimate, pooled, propagate
+from analysis.comparison.claims.verdicts import ClaimError, evaluate_claims, load_claims, to_frame
 from analysis.comparison.restitution import restitution_table
-from analysis.comparison.uncertainty import Estimate, pooled, propagate
 from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario, scenario_names
@@ -127,7 +128,7 @@ NOTHING = References(pd.DataFrame(columns=COLUMNS), pd.DataFrame(columns=PENDING
 
 def judge(number, runs, references=NOTHING, code="liggghts"):
     found, rules = load_claims()
-    return claims.judge(found[number - 1], code, runs, references, rules)
+    return verdicts.judge(found[number - 1], code, runs, references, rules)
 
 
 def nonlinear(mode, restitution, count=2, **options):
@@ -175,7 +176,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
     for claim in found:
         watched = Watched(claim.thresholds)
         evidence = Evidence(everything, experiment(), rules, claim)
-        checks = list(claims.CHECKS[claim.id](evidence, watched))
+        checks = list(CHECKS[claim.id](evidence, watched))
         assert watched.asked == set(claim.thresholds), claim.id
         assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in checks), claim.id
         assert {r for r in evidence._used} == {r.id for r in everything if r.scenario_name in claim.runs}, claim.id

@@ -8,7 +8,7 @@ import pytest
 from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, settlement, write_run
 
 from analysis import load_runs
-from analysis.comparison import compare, quantities
+from analysis.comparison import against_published, codes, quantities
 from analysis.reference.curves import References
 from analysis.scenarios import derived
 
@@ -217,7 +217,7 @@ def test_nothing_needs_the_scenario(results):
 
 
 def test_agreement_returns_the_known_differences(runs):
-    table = compare.agreement(runs)
+    table = codes.agreement(runs)
     assert set(table["scenario"]) == {"linear-mu0.8"}  # the other one has run in one code only
     assert sorted(table["cycle"].unique()) == [0, 1, 10, 100, CYCLES]  # the last that all runs have
     row = value(table, "settlement_m", 100)
@@ -234,7 +234,7 @@ def test_agreement_returns_the_known_differences(runs):
 
 
 def test_agreement_of_single_runs_has_no_scatter(runs):
-    table = compare.agreement(runs.select(seed=1))
+    table = codes.agreement(runs.select(seed=1))
     assert (table["yade_seeds"] == 1).all() and table["seed_scatter"].isna().all()
     assert all(within is None for within in table["within_scatter"])
 
@@ -243,18 +243,18 @@ def test_agreement_within_the_scatter_of_equal_codes(tmp_path):
     for code in ("yade", "liggghts"):
         for seed in (1, 2, 3, 4):
             write_run(tmp_path, "demo", "linear-mu0.8", code, 10, seed, noise=0.02, rng=10 + len(code), contacts=False)
-    table = compare.agreement(load_runs(tmp_path, quiet=True))
+    table = codes.agreement(load_runs(tmp_path, quiet=True))
     settled = table[table["quantity"] == "settlement_m"]
     assert len(settled) == 2 and settled["within_scatter"].all()
 
 
 def test_agreement_of_nothing():
-    assert list(compare.agreement([])) == list(compare.AGREEMENT)
-    assert len(compare.lateral_agreement([])) == 0 and compare.last_common_cycle([]) == 0
+    assert list(codes.agreement([])) == list(codes.AGREEMENT)
+    assert len(codes.lateral_agreement([])) == 0 and codes.last_common_cycle([]) == 0
 
 
 def test_lateral_shapes(runs):
-    table = compare.lateral_agreement(runs)
+    table = codes.lateral_agreement(runs)
     assert table["cycle"].tolist() == [1, 10, 100, CYCLES]
     assert table["correlation"].to_numpy() == pytest.approx(1)  # the same profile in both codes
     last = table.iloc[-1]
@@ -263,7 +263,7 @@ def test_lateral_shapes(runs):
 
 
 def test_seed_bands(runs):
-    bands = compare.seed_bands(runs.cycles, ["settlement_m", "porosity_1"])
+    bands = codes.seed_bands(runs.cycles, ["settlement_m", "porosity_1"])
     liggghts = bands[(bands["code"] == "liggghts") & (bands["scenario"] == "linear-mu0.8")]
     assert len(liggghts) == CYCLES and (liggghts["seeds"] == 3).all()
     one = runs.cycles[(runs.cycles["code"] == "liggghts") & (runs.cycles["cycle"] == 50)]["settlement_m"]
@@ -280,7 +280,7 @@ def test_reference_that_is_shifted():
     """A constant shift, as the paper claims: nothing is left of the difference once it is removed."""
     n = np.arange(1, 1001)
     ours, at = settlement(DEFAULT_LAW, n), np.array([1, 5, 20, 100, 300, 600, 1000])
-    result = compare.against_reference(n, ours, at, ours[at - 1] - 2e-3, 1e-3)
+    result = against_published.against_reference(n, ours, at, ours[at - 1] - 2e-3, 1e-3)
     assert result.points == 7 and result.shift_m == pytest.approx(2e-3) and result.rms_m == pytest.approx(2e-3)
     assert result.rms_shifted_m == pytest.approx(0, abs=1e-12)
     assert result.late_slope_ratio == pytest.approx(1) and result.first_cycle_ratio == pytest.approx(
@@ -292,7 +292,7 @@ def test_reference_that_is_shifted():
 def test_reference_of_another_slope_and_order():
     n = np.arange(1, 1001)
     at = np.array([1000, 1, 400, 200, 800, 600])
-    result = compare.against_reference(n, 2e-3 + 4e-6 * n, at, 2e-3 + 2e-6 * at)
+    result = against_published.against_reference(n, 2e-3 + 4e-6 * n, at, 2e-3 + 2e-6 * at)
     assert result.late_slope_ratio == pytest.approx(2) and math.isnan(result.within_error)
     assert result.shift_m == pytest.approx(np.mean(2e-6 * at))
     assert result.rms_shifted_m == pytest.approx(np.std(2e-6 * at))
@@ -300,10 +300,10 @@ def test_reference_of_another_slope_and_order():
 
 def test_reference_beyond_the_run_does_not_count():
     n, at = np.arange(1, 51), np.array([10, 20, 40, 50, 100, 1000])
-    result = compare.against_reference(n, 1e-5 * n, at, 1e-5 * at)
+    result = against_published.against_reference(n, 1e-5 * n, at, 1e-5 * at)
     assert result.points == 4 and result.rms_m == pytest.approx(0, abs=1e-15) and math.isnan(result.first_cycle_ratio)
-    assert compare.against_reference(n, 1e-5 * n, [500, 600, 700], [1, 1, 1]) is None
-    assert compare.against_reference([], [], at, at) is None
+    assert against_published.against_reference(n, 1e-5 * n, [500, 600, 700], [1, 1, 1]) is None
+    assert against_published.against_reference([], [], at, at) is None
 
 
 def test_reference_table_pairs_scenarios(runs):
@@ -325,9 +325,9 @@ def test_reference_table_pairs_scenarios(runs):
                     "error": 1e-4,
                 }
             )
-    table = compare.reference_table(runs, References(pd.DataFrame(rows), pd.DataFrame()))
+    table = against_published.reference_table(runs, References(pd.DataFrame(rows), pd.DataFrame()))
     counts = table.groupby(["source", "curve"]).size().to_dict()
     assert counts == {("experiment", "test"): 6, ("paper", "linear"): 5, ("paper", "nonlinear"): 1}
     assert table["rms_m"].notna().all()
     pending = pd.DataFrame(columns=["source", "curve", "scenario", "quantity", "cycle", "value", "error"])
-    assert len(compare.reference_table(runs, References(pending, pd.DataFrame()))) == 0
+    assert len(against_published.reference_table(runs, References(pending, pd.DataFrame()))) == 0

@@ -12,8 +12,8 @@ import pytest
 from synthetic import write_run
 
 from analysis import load_runs
-from analysis.comparison import compare, quantities
-from analysis.comparison.claims import evaluate_claims
+from analysis.comparison import against_published, quantities
+from analysis.comparison.claims.verdicts import evaluate_claims
 from analysis.reference import check, webplotdigitizer
 from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
 from analysis.reference.settlement_laws import settlement_laws
@@ -343,7 +343,7 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
             assert drawn.panels[0].hover["x"][1] < 6 and 1000 in drawn.panels[1].hover["series"][-1]["x"]
             assert abs(drawn.panels[0].hover["y"][0]) < 7
 
-    profiles = compare.lateral_reference_table(runs, references)
+    profiles = against_published.lateral_reference_table(runs, references)
     assert set(profiles["cycle"]) == {1} and {"experiment after 1"} <= set(profiles["curve"])
     first = profiles[profiles["curve"] == "experiment after 1"].iloc[0]
     depth = quantities.plate_depths(runs[0].scenario)
@@ -352,7 +352,7 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
     inside = (depth >= DEPTH_MM[0] * 1e-3) & (depth <= DEPTH_MM[-1] * 1e-3)
     assert first["rms_m"] == pytest.approx(np.sqrt(np.mean((ours - theirs)[inside] ** 2)))
 
-    scored = compare.reference_table(runs, references)
+    scored = against_published.reference_table(runs, references)
     assert set(scored["curve"]) == {"experiment", "simulation", "linear-mu0.8"}
     ours = np.interp([1, 2, 5], runs[0].cycles["cycle"], runs[0].cycles["settlement_m"])
     assert scored["shift_m"].to_numpy() == pytest.approx((ours - SETTLEMENT_MM[:3] * 1e-3).mean())

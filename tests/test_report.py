@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 from synthetic import write_run
 
-from analysis.comparison.pairs import same_bed_pairs, settlements
+from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
 from analysis.files import write_csv
 from analysis.normalised import beds

@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from analysis.comparison import settlement
-from analysis.comparison.settlement import choose, evaluate, fit
+from analysis.comparison import settlement_fits
+from analysis.comparison.settlement_fits import choose, evaluate, fit
 
 CYCLES = np.arange(1, 1001)
 CURVES = 100
@@ -166,4 +166,6 @@ def test_sparse_cycles_serve_too():
 
 
 def test_every_law_has_a_formula_for_people():
-    assert set(settlement.CHOICES) == set(settlement.LAWS) and all(law.formula for law in settlement.LAWS.values())
+    assert set(settlement_fits.CHOICES) == set(settlement_fits.LAWS) and all(
+        law.formula for law in settlement_fits.LAWS.values()
+    )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import settlement
+from analysis.comparison import settlement_fits
 from analysis.normalised import tables
 from analysis.scenarios import derived
 
@@ -146,7 +146,7 @@ def late_slope(
         cycles, values = cycles[inside], values[inside]
     if len(cycles) < LEAST_LATE_CYCLES:
         return math.nan, math.nan, math.nan
-    fitted = settlement.fit("line", cycles, values, level=level)
+    fitted = settlement_fits.fit("line", cycles, values, level=level)
     return fitted.values["b"], *fitted.intervals["b"]
 
 
@@ -284,7 +284,7 @@ def fitted(run) -> pd.DataFrame:
     slope = late_slope(run.cycles["cycle"], run.cycles["settlement_m"])
     short = "" if slope[0] == slope[0] else f"the later half of {done} cycles has fewer than {LEAST_LATE_CYCLES}"
     rows = [("late_slope_m", done, *slope, "m per cycle", short)]
-    choice = settlement.choose(run.cycles["cycle"], run.cycles["settlement_m"])
+    choice = settlement_fits.choose(run.cycles["cycle"], run.cycles["settlement_m"])
     law = choice.fits.get("exponential")
     for name, unit in (("a", "m"), ("b", "m"), ("c", "cycles"), ("d", "m per cycle")):
         values = (law.values[name], *law.intervals[name]) if law else (math.nan,) * 3

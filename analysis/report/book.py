@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.comparison import claims, compare
+from analysis.comparison import codes
+from analysis.comparison.claims import verdicts
 from analysis.driver import calibrate, status
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
@@ -54,12 +55,12 @@ class Book:
     @cached_property
     def verdicts(self) -> list:
         """The paper's claims, judged on the drawn runs."""
-        return claims.evaluate_claims(self.runs, self.references)
+        return verdicts.evaluate_claims(self.runs, self.references)
 
     def agreement(self, profile: str) -> pd.DataFrame:
-        """Both codes next to each other, see `compare.agreement`."""
+        """Both codes next to each other, see `codes.agreement`."""
         if profile not in self._agreement:
-            self._agreement[profile] = compare.agreement(self.of(profile))
+            self._agreement[profile] = codes.agreement(self.of(profile))
         return self._agreement[profile]
 
     def of(self, profile: str) -> Runs:

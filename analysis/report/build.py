@@ -14,7 +14,7 @@ from pathlib import Path
 import jinja2
 
 from analysis.arguments import Parser
-from analysis.comparison.claims import ClaimError
+from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import calibrate, record
 from analysis.files import ROOT, write_aside

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.comparison import compare
+from analysis.comparison import codes
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
@@ -69,7 +69,7 @@ class Curve:
         values = getattr(self.main, table).set_index("cycle")[name].rename("value")
         if len(self.runs) == 1:
             return pd.DataFrame({"value": values, "low": values, "high": values}).dropna()
-        bands = compare.seed_bands(getattr(Runs(self.runs), table), [name]).set_index("cycle")
+        bands = codes.seed_bands(getattr(Runs(self.runs), table), [name]).set_index("cycle")
         return pd.DataFrame({"value": values, "low": bands[f"{name}_low"], "high": bands[f"{name}_high"]}).dropna()
 
 

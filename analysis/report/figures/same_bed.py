@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from analysis.comparison.pairs import SHARED_CYCLES, Pair, ranks, settlements
+from analysis.comparison.same_bed import SHARED_CYCLES, Pair, ranks, settlements
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.figures.gallery import Figure, Gallery

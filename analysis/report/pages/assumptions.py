@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import compare, quantities
-from analysis.comparison.pairs import changed_keys, ranks
+from analysis.comparison import quantities
 from analysis.comparison.quantities import last_cycle
+from analysis.comparison.same_bed import changed_keys, ranks
 from analysis.driver import calibrate
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
@@ -144,7 +144,7 @@ def plate_laws(book: Book) -> list[dict]:
             members = [run for run in members if run.code in codes]
             if not members:
                 continue
-            shared = compare.last_common_cycle(members)
+            shared = codes.last_common_cycle(members)
             name = f"plates-{base}-{profile}"
             settlement = settlement_figure(
                 book.gallery,

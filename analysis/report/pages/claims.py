@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analysis.comparison import evidence
+from analysis.comparison.claims import evidence
 from analysis.report.book import Book
 from analysis.report.style import CODE_NAMES
 from analysis.report.words import Chip, Column, Table

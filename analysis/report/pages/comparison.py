@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import compare, pairs, quantities
+from analysis.comparison import codes, quantities, same_bed
 from analysis.comparison.quantities import last_cycle
 from analysis.report.book import (
     PROFILE_TEXT,
@@ -172,7 +172,7 @@ def comparison(book: Book) -> dict:
 
 def lateral_table(book: Book, profile: str) -> Table | None:
     """How alike the lateral profiles of both codes are."""
-    rows = compare.lateral_agreement(book.of(profile), PROFILE_CYCLES)
+    rows = codes.lateral_agreement(book.of(profile), PROFILE_CYCLES)
     table = Table(
         "Profiles over the five plates, LIGGGHTS against YADE",
         [
@@ -279,11 +279,11 @@ def rates_table(book: Book, profile: str) -> Table | None:
     return table
 
 
-def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[pairs.Pair]]:
+def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[same_bed.Pair]]:
     """Pairs of runs from one bed, by the scenario they stand for and the checksum of the bed."""
     runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile]
-    groups: dict[tuple[str, str], list[pairs.Pair]] = {}
-    for pair in pairs.same_bed_pairs(runs):
+    groups: dict[tuple[str, str], list[same_bed.Pair]] = {}
+    for pair in same_bed.same_bed_pairs(runs):
         key = (basis_of(pair.one.scenario_name), pair.one.stages["packing"]["bed_sha256"])
         groups.setdefault(key, []).append(pair)
     return groups
@@ -314,23 +314,23 @@ def same_bed_parts(book: Book, profile: str) -> list[dict]:
     return parts
 
 
-def pair_names(pair: pairs.Pair) -> tuple[str, str]:
+def pair_names(pair: same_bed.Pair) -> tuple[str, str]:
     """What tells the two runs of a pair apart: their codes, time steps or ranks."""
     what = {
         "code": lambda run: "",
         "time.step": lambda run: f" {shown(1e6 * run.scenario['time.step'])} µs",
-        "ranks": lambda run: f" {plural(pairs.ranks(run), 'rank')}",
+        "ranks": lambda run: f" {plural(same_bed.ranks(run), 'rank')}",
     }[pair.differs]
     return tuple(CODE_NAMES.get(run.code, run.code) + what(run) for run in (pair.one, pair.other))
 
 
-def same_bed_table(found: Sequence[pairs.Pair], title: str) -> Table:
+def same_bed_table(found: Sequence[same_bed.Pair], title: str) -> Table:
     """Settlement of pairs from one bed, a row per cycle, the pairs beside each other."""
     table = Table(f"Settlement from the same bed, mm: {title}", [Column("settlement")])
     by_cycle: dict[int, dict[int, list[str]]] = {}
     for n, pair in enumerate(found):
         table.columns += [*(Column(name, True) for name in pair_names(pair)), Column("difference, %", True)]
-        for row in pairs.settlements(pair).itertuples():
+        for row in same_bed.settlements(pair).itertuples():
             by_cycle.setdefault(row.cycle, {})[n] = [
                 number(row.one_m, 3, MM),
                 number(row.other_m, 3, MM),

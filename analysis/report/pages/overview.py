@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from analysis.comparison import compare, evidence, pairs, quantities
+from analysis.comparison import against_published, quantities, same_bed
+from analysis.comparison.claims import evidence
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
@@ -153,7 +154,7 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(
                 f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
             )
-        lines += same_bed(book, profile)
+        lines += same_bed_lines(book, profile)
         lines += settling(overview_runs(book, profile)[0])
         if profile == "full":
             lines += packed_beds(runs)
@@ -189,7 +190,7 @@ def in_hand(book: Book) -> list[str]:
         for r in sources.itertuples()
     )
     lines = [f"Reference curves in hand: {whose}."]
-    scores = compare.reference_table(book.of(book.profiles[0]) if book.profiles else [], book.references)
+    scores = against_published.reference_table(book.of(book.profiles[0]) if book.profiles else [], book.references)
     if len(scores):
         texts = [
             f"{short_name(r.scenario)} {CODE_NAMES.get(r.code, r.code)} {number(r.rms_m, 2, MM)} mm"
@@ -199,13 +200,13 @@ def in_hand(book: Book) -> list[str]:
     return lines
 
 
-def same_bed(book: Book, profile: str) -> list[str]:
+def same_bed_lines(book: Book, profile: str) -> list[str]:
     """How closely the codes agree from one bed, beside two time steps of one code."""
     lines = []
     for (basis, _), found in same_bed_groups(book, profile).items():
         spans = {}
         for pair in found:
-            ratios = 100 * pairs.settlements(pair)["difference_ratio"].abs()
+            ratios = 100 * same_bed.settlements(pair)["difference_ratio"].abs()
             spans.setdefault(pair.differs, []).extend(ratios.dropna())
         texts = [
             f"by {number(min(spans[key]), 2)} to {number(max(spans[key]), 2)} % {what}"
@@ -219,7 +220,7 @@ def same_bed(book: Book, profile: str) -> list[str]:
         if texts:
             lines.append(
                 f"{short_name(basis)} from one and the same bed: settlement in preload and in the first cycles (up to "
-                f"{pairs.SHARED_CYCLES}) differs {', '.join(texts)}."
+                f"{same_bed.SHARED_CYCLES}) differs {', '.join(texts)}."
             )
     return lines
 

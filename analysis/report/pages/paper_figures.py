@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from analysis.comparison import compare, settlement
+from analysis.comparison import against_published, settlement_fits
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
@@ -274,7 +274,7 @@ def law_table(book: Book, profile: str) -> Table | None:
         ],
     )
     for run in book.of(profile):
-        choice = settlement.choose(run.cycles["cycle"], run.cycles["settlement_m"])
+        choice = settlement_fits.choose(run.cycles["cycle"], run.cycles["settlement_m"])
         fit = choice.fits.get("exponential")
         kind = {"yes": "good", "no": "bad"}.get(choice.exponential_start, "open")
         cells = [interval(fit, name, factor) for name, factor in (("b", MM), ("c", 1.0), ("d", 1e6))]
@@ -297,7 +297,7 @@ def law_table(book: Book, profile: str) -> Table | None:
 
 def reference_scores(book: Book, profile: str) -> Table | None:
     """Settlement of runs against the reference curves that are there."""
-    rows = compare.reference_table(book.of(profile), book.references)
+    rows = against_published.reference_table(book.of(profile), book.references)
     table = Table(
         "Settlement against the reference curves",
         [
@@ -338,7 +338,7 @@ def reference_scores(book: Book, profile: str) -> Table | None:
 
 def lateral_scores(book: Book, profile: str) -> Table | None:
     """Lateral displacement of runs against the reference profiles that are there."""
-    rows = compare.lateral_reference_table(book.of(profile), book.references)
+    rows = against_published.lateral_reference_table(book.of(profile), book.references)
     table = Table(
         "Lateral displacement against the reference profiles",
         [

@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import compare, quantities
-from analysis.comparison import settlement as settlement_fit
+from analysis.comparison import against_published, quantities, settlement_fits
 from analysis.normalised.tables import PLATES, SPHERES
 from analysis.scenarios import derived
 
@@ -46,10 +45,10 @@ def porosity_range(run, cycle: int) -> float:
 def exponential_share(run, last: int) -> float:
     """Exponential part over the whole settlement after cycle `last`, both of the fitted law.
 
-    0 where another law describes the curve better, nan where the curve leaves it undecided (`settlement.choose`).
+    0 where another law describes the curve better, nan where the curve leaves it undecided (`settlement_fits.choose`).
     """
     table = run.cycles[run.cycles["cycle"] <= last]
-    choice = settlement_fit.choose(table["cycle"], table["settlement_m"])
+    choice = settlement_fits.choose(table["cycle"], table["settlement_m"])
     if choice.exponential_start != "yes":
         return 0.0 if choice.exponential_start == "no" else math.nan
     fit = choice.fits["exponential"]
@@ -72,10 +71,10 @@ def seconds_per_cycle(run) -> float:
 
 
 def settlement_difference(run, curve: pd.DataFrame, last: int, what: str) -> float:
-    """A field of `compare.against_reference` (rms_m, shift_m, rms_shifted_m), over the curve's points up to `last`."""
+    """A field of `against_published.against_reference` (rms_m, shift_m, rms_shifted_m), over the curve's points up to `last`."""
     points = curve[curve["cycle"] <= last]
     ours = run.cycles["cycle"], run.cycles["settlement_m"]
-    result = compare.against_reference(*ours, points["cycle"], points["value"])
+    result = against_published.against_reference(*ours, points["cycle"], points["value"])
     return getattr(result, what) if result else math.nan
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from analysis.comparison.claimed_quantities import lateral_profile, profile_error
+from analysis.comparison.claims.claimed_quantities import lateral_profile, profile_error
+from analysis.comparison.claims.uncertainty import Estimate, coverage, pooled, propagate
 from analysis.comparison.quantities import last_cycle
-from analysis.comparison.uncertainty import Estimate, coverage, pooled, propagate
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 from analysis.scenarios.schema import NO_PHYSICS
