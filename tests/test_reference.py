@@ -18,7 +18,7 @@ from analysis.reference import check, webplotdigitizer
 from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.report.build import build
-from analysis.report.figures.gallery import Gallery
+from analysis.report.figure import Gallery
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.porosity import porosity_figure
 from analysis.report.figures.settlement import settlement_figure

@@ -20,10 +20,10 @@ from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
 from analysis.report import style
-from analysis.report.book import is_variant
+from analysis.report.report_data import is_variant
 from analysis.report.pictures import render, view
 from analysis.report.pictures.scene import load_scene
-from analysis.report.words import number
+from analysis.report.tables import number
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 

@@ -15,7 +15,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 from analysis.verification import impact, mutations, probes, verify
 from analysis.verification.cases import impacts, paths
-from analysis.verification.sheet import Sheet, write_rows
+from analysis.verification.results import Results, write_rows
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -24,29 +24,33 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def test_a_row_passes_within_its_tolerance_only():
-    sheet = Sheet("liggghts")
-    sheet.compare("case", "a", 2.0, 2.01, 0.0051)
-    sheet.compare("case", "b", 2.0, 2.01, 0.0049)
-    sheet.compare("case", "c", 0.0, 1e-9, 0.0)
-    sheet.compare("case", "d", 0.0, 0.0, 0.0)
-    sheet.compare("case", "e", 0.0, 0.01, 0.02, scale=1.0)
-    sheet.compare("case", "f", 1.0, math.nan, 0.5)
-    assert [row.passed for row in sheet.rows] == [True, False, False, True, True, False]
+    results = Results("liggghts")
+    results.compare("case", "a", 2.0, 2.01, 0.0051)
+    results.compare("case", "b", 2.0, 2.01, 0.0049)
+    results.compare("case", "c", 0.0, 1e-9, 0.0)
+    results.compare("case", "d", 0.0, 0.0, 0.0)
+    results.compare("case", "e", 0.0, 0.01, 0.02, scale=1.0)
+    results.compare("case", "f", 1.0, math.nan, 0.5)
+    assert [row.passed for row in results.rows] == [True, False, False, True, True, False]
 
 
 def test_curves_are_judged_by_their_worst_point():
-    sheet = Sheet("yade")
-    sheet.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, 1.1], 0.005)
-    sheet.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, math.nan], 0.5)
-    assert not sheet.rows[0].passed and sheet.rows[0].measured == 1.1 and sheet.rows[0].rel_error == pytest.approx(0.01)
-    assert not sheet.rows[1].passed
+    results = Results("yade")
+    results.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, 1.1], 0.005)
+    results.compare_curves("case", "force", [0.0, 10.0, 1.0], [0.0, 10.0, math.nan], 0.5)
+    assert (
+        not results.rows[0].passed
+        and results.rows[0].measured == 1.1
+        and results.rows[0].rel_error == pytest.approx(0.01)
+    )
+    assert not results.rows[1].passed
 
 
 def test_the_table_has_the_promised_columns(tmp_path):
-    sheet = Sheet("yade")
-    sheet.compare("case", "force, N", 1.0, 1.0, 0.005, 'with "quotes", commas')
-    sheet.fail("other", "yade: no end")
-    write_rows(tmp_path / "verification.csv", sheet.rows)
+    results = Results("yade")
+    results.compare("case", "force, N", 1.0, 1.0, 0.005, 'with "quotes", commas')
+    results.fail("other", "yade: no end")
+    write_rows(tmp_path / "verification.csv", results.rows)
     with open(tmp_path / "verification.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == [
@@ -66,10 +70,10 @@ def test_the_table_has_the_promised_columns(tmp_path):
 
 
 def test_curves_are_written_per_case_and_code(tmp_path):
-    sheet = Sheet("yade")
-    sheet.curve("path", "wall", step=[1, 2], force_N=[1.0, 2.0], force_N_expected=[1.0, 2.1])
-    sheet.curve("path", "spheres", step=[1], force_N=[3.0], force_N_expected=[3.0])
-    sheet.write_curves(tmp_path)
+    results = Results("yade")
+    results.curve("path", "wall", step=[1, 2], force_N=[1.0, 2.0], force_N_expected=[1.0, 2.1])
+    results.curve("path", "spheres", step=[1], force_N=[3.0], force_N_expected=[3.0])
+    results.write_curves(tmp_path)
     assert (tmp_path / "path_yade.csv").read_text().splitlines() == [
         "series,step,force_N,force_N_expected",
         "wall,1,1,1",
@@ -204,9 +208,9 @@ def test_mutations_fit_the_source(tmp_path, mutation):
 
 @pytest.mark.parametrize("code", engines.CODES)
 def test_path_and_wall_dashpot(code, tmp_path):
-    sheet, _ = verify.verify([code], tmp_path, ["path", "wall-dashpot"])
-    assert {row.case for row in sheet.rows} == {"path", "wall-dashpot"}
-    assert [row for row in sheet.rows if not row.passed] == []
+    results, _ = verify.verify([code], tmp_path, ["path", "wall-dashpot"])
+    assert {row.case for row in results.rows} == {"path", "wall-dashpot"}
+    assert [row for row in results.rows if not row.passed] == []
 
 
 @pytest.mark.parametrize("code", engines.CODES)
@@ -240,6 +244,6 @@ def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
     broken.write_text("#!/bin/sh\necho 'ERROR: out of order'\nexit 1\n")
     broken.chmod(0o755)
     monkeypatch.setattr(engines, "HOST", broken)
-    sheet, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
-    assert [(row.case, row.passed) for row in sheet.rows] == [("wall-dashpot", False), ("load-control", False)]
-    assert "out of order" in sheet.rows[0].reason
+    results, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
+    assert [(row.case, row.passed) for row in results.rows] == [("wall-dashpot", False), ("load-control", False)]
+    assert "out of order" in results.rows[0].reason

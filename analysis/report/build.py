@@ -21,8 +21,8 @@ from analysis.files import ROOT, write_aside
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import style
-from analysis.report.book import Book, is_variant, known_scenarios, verification_rows
-from analysis.report.figures.gallery import Gallery
+from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
+from analysis.report.figure import Gallery
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.claims import claims_page
 from analysis.report.pages.comparison import comparison
@@ -30,7 +30,7 @@ from analysis.report.pages.overview import overview
 from analysis.report.pages.paper_figures import paper_figures
 from analysis.report.pages.runs import runs_page
 from analysis.report.pages.verification import verification
-from analysis.report.words import plural
+from analysis.report.tables import plural
 from analysis.scenarios.scenario import ScenarioError
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
@@ -56,7 +56,7 @@ def main(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     began = time.monotonic()
     try:
-        book = build(options.results, options.out)
+        data = build(options.results, options.out)
     except (ScenarioError, ClaimError) as error:
         print(f"report: {error}", file=sys.stderr)
         return 1
@@ -64,14 +64,16 @@ def main(argv: list[str]) -> int:
         print(f"report: {error.filename or options.out}: {error.strerror}; give another --out", file=sys.stderr)
         return 1
     print(
-        f"report: {options.out / 'index.html'} ({plural(len(book.runs), 'run')}, "
-        f"{plural(len(book.gallery.figures), 'figure')}, "
+        f"report: {options.out / 'index.html'} ({plural(len(data.runs), 'run')}, "
+        f"{plural(len(data.gallery.figures), 'figure')}, "
         f"{time.monotonic() - began:.0f} s)"
     )
     return 0
 
 
-def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = REFERENCE_FOLDER) -> Book:
+def build(
+    results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = REFERENCE_FOLDER
+) -> ReportData:
     """Read the runs below `results` and those kept in the repository, and write the site to `out`."""
     out.mkdir(parents=True, exist_ok=True)
     kept = load_runs(kept_runs)
@@ -87,7 +89,7 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
     references = load_references(reference_folder)
     problems += runs.problems
     gallery = Gallery(out / "figures", stamp, runs, references, known_scenarios(), problems)
-    book = Book(
+    data = ReportData(
         runs,
         variants,
         left_out,
@@ -100,11 +102,11 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
         kept_runs / calibrate.TABLE.name,
     )
     with style.settings():
-        write_pages(book, out, stamp)
+        write_pages(data, out, stamp)
     for path in (out / "figures").iterdir():
         if path.stem not in {panel.name for figure in gallery.figures for panel in figure.panels}:
             path.unlink()  # of a figure that this report no longer has
-    return book
+    return data
 
 
 def without_copies(variants: Iterable[Run]) -> Runs:
@@ -168,7 +170,7 @@ def shown_path(path: Path) -> str:
     return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name
 
 
-def write_pages(book: Book, out: Path, stamp: str) -> None:
+def write_pages(data: ReportData, out: Path, stamp: str) -> None:
     """Render all pages; styles and scripts are written into each."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -179,7 +181,7 @@ def write_pages(book: Book, out: Path, stamp: str) -> None:
     )
     environment.globals["zip"] = zip
     contents = {
-        file: content(book) for file, _, _, content, _ in PAGES
+        file: content(data) for file, _, _, content, _ in PAGES
     }  # all figures are drawn before the colours are listed
     variables = style.colour_variables()
     css = environment.get_template("style.css").render(

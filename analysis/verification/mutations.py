@@ -184,7 +184,7 @@ def build(mutation: Mutation | None, source: Path, folder: Path) -> Path:
 def catching_cases(host: Path, folder: Path) -> list[str]:
     """Names of the cases with a failed row, for a LIGGGHTS executable."""
     engines.HOST = host
-    rows = [row for sheet in verify(["liggghts"], folder, CASES) for row in sheet.rows]
+    rows = [row for results in verify(["liggghts"], folder, CASES) for row in results.rows]
     return [
         f"{case} ({sum(r.case == case and not r.passed for r in rows)} of {sum(r.case == case for r in rows)} rows)"
         for case in dict.fromkeys(row.case for row in rows if not row.passed)

@@ -22,31 +22,31 @@ from analysis.verification.cases import load as verify_load
 from analysis.verification.cases import paths as verify_paths
 from analysis.verification.cases import porosity as verify_porosity
 from analysis.verification.probes import EngineFailure, run_probes
-from analysis.verification.sheet import Sheet, write_rows
+from analysis.verification.results import Results, write_rows
 
 PROBED = (*verify_impacts.CASES, *verify_paths.CASES, *verify_clumps.CASES)
 STAGED = verify_load.CASES
 
 
-def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> list[Sheet]:
-    """Run the cases (all, or the `chosen` names) in the codes, side by side, below `folder`; return a sheet per code.
+def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> list[Results]:
+    """Run the cases (all, or the `chosen` names) in the codes, side by side, below `folder`; return the results of each code.
 
-    Last comes the sheet of what needs no engine. Cases that an engine does not finish are failed rows.
+    Last come the results of what needs no engine. Cases that an engine does not finish are failed rows.
     """
     for code in codes:
         engines.versions(code)  # refuses an engine that is missing
     workers = max(1, (os.cpu_count() or 1) // len(codes)) if codes else 1
     with ThreadPoolExecutor(max(1, len(codes))) as pool:
-        sheets = list(pool.map(lambda code: _verify_code(code, folder / code, chosen, workers), codes))
-    own = Sheet("analysis")
+        all_results = list(pool.map(lambda code: _verify_code(code, folder / code, chosen, workers), codes))
+    own = Results("analysis")
     for case in verify_porosity.CASES:
         if not chosen or case.name in chosen:
             case().judge(own)
-    return [*sheets, own]
+    return [*all_results, own]
 
 
-def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Sheet:
-    sheet = Sheet(code)
+def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Results:
+    results = Results(code)
     wanted = [case for case in (make(code) for make in PROBED) if not chosen or case.name in chosen]
     found, failures = run_probes(
         code, [probe for case in wanted for probe in case.probes()], folder / "probes", workers
@@ -54,9 +54,9 @@ def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int
     for case in wanted:
         failed = [failures[probe.name] for probe in case.probes() if probe.name in failures]
         if failed:
-            sheet.fail(case.name, failed[0])
+            results.fail(case.name, failed[0])
         else:
-            case.judge(found, sheet)
+            case.judge(found, results)
     for make in STAGED:
         if chosen and make.name not in chosen:
             continue
@@ -64,10 +64,10 @@ def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int
         try:
             case.run(folder / case.name, workers)
         except EngineFailure as error:
-            sheet.fail(case.name, str(error))
+            results.fail(case.name, str(error))
         else:
-            case.judge(folder / case.name, sheet)
-    return sheet
+            case.judge(folder / case.name, results)
+    return results
 
 
 def case_names() -> list[str]:
@@ -94,17 +94,17 @@ def main(argv: list[str]) -> int:
     start = time.monotonic()
     folder = arguments.keep or Path(tempfile.mkdtemp(prefix="verify-"))
     try:
-        sheets = verify(arguments.code or list(engines.CODES), folder, arguments.case)
+        all_results = verify(arguments.code or list(engines.CODES), folder, arguments.case)
     except engines.EngineError as error:
         print(f"verify: {error}", file=sys.stderr)
         return 2
     finally:
         if not arguments.keep:
             shutil.rmtree(folder, ignore_errors=True)
-    rows = [row for sheet in sheets for row in sheet.rows]
+    rows = [row for results in all_results for row in results.rows]
     write_rows(arguments.out / "verification.csv", rows)
-    for sheet in sheets:
-        sheet.write_curves(arguments.out / "verification")
+    for results in all_results:
+        results.write_curves(arguments.out / "verification")
     print(summary(rows))
     failed = [row for row in rows if not row.passed]
     print(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.normalised.readers import Run
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import short_name
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import short_name
 from analysis.report.pictures.panels import bed_panel, chain_panel
 from analysis.report.pictures.scene import NoBed, ViewError, last_with_contacts, load_scene
 from analysis.report.style import CODE_NAMES

@@ -6,8 +6,8 @@ import pandas as pd
 
 from analysis.driver.calibrate import REPORTED_CLUMPS, REPORTED_POROSITY
 from analysis.report import style
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import MM, short_name
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import MM, short_name
 from analysis.report.style import INK, PAPER, SOFT, Canvas
 
 

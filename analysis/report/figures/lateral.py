@@ -9,15 +9,15 @@ import pandas as pd
 from analysis.comparison import quantities
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.drawing import (
+from analysis.report.curves import (
     draw_references,
     pending_mark,
     pending_names,
     reference_csv,
     reference_rows,
 )
-from analysis.report.figures.gallery import Curve, Figure, Gallery
-from analysis.report.names import MM
+from analysis.report.figure import Curve, Figure, Gallery
+from analysis.report.labels import MM
 from analysis.report.style import PAPER, SOFT
 
 PROFILE_CYCLES = (1, 100, 1000)

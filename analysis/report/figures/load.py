@@ -10,9 +10,9 @@ import pandas as pd
 from analysis.comparison import quantities
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.drawing import curve_rows, cycle_axis, draw, last_cycle_of
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import KPA, MM, short_name
+from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES, SOFT
 
 TRACKING_AIM = {"linear": 1, "hysteretic": 2}

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.drawing import curve_rows, cycle_axis, draw, last_cycle_of
-from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
+from analysis.report.figure import Figure, Gallery
 
 
 def microstructure_figure(

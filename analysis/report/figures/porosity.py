@@ -10,7 +10,7 @@ from matplotlib.patches import Circle, Rectangle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.drawing import (
+from analysis.report.curves import (
     curve_rows,
     cycle_axis,
     draw,
@@ -21,8 +21,8 @@ from analysis.report.figures.drawing import (
     reference_csv,
     up_to,
 )
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import MM, SPHERE_NAMES, short_name
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import MM, SPHERE_NAMES, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario

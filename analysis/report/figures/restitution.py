@@ -7,8 +7,8 @@ import pandas as pd
 
 from analysis import laws
 from analysis.report import style
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import MODE_NAMES
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import MODE_NAMES
 from analysis.report.style import SOFT
 
 

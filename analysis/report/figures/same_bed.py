@@ -9,8 +9,8 @@ import pandas as pd
 from analysis.comparison.same_bed import SHARED_CYCLES, Pair, ranks, settlements
 from analysis.normalised.readers import Run
 from analysis.report import style
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import MM
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import MM
 from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, Canvas
 
 DIFFERENCES = {  # name, hue, marker

@@ -10,7 +10,7 @@ import pandas as pd
 from analysis.normalised.readers import Run
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.report import style
-from analysis.report.figures.drawing import (
+from analysis.report.curves import (
     curve_rows,
     cycle_axis,
     draw,
@@ -23,8 +23,8 @@ from analysis.report.figures.drawing import (
     up_to,
     with_start,
 )
-from analysis.report.figures.gallery import Figure, Gallery
-from analysis.report.names import MM
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import MM
 from analysis.report.style import SOFT
 
 

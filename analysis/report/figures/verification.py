@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from analysis.report import style
-from analysis.report.figures.drawing import css
-from analysis.report.figures.gallery import Figure, Gallery
+from analysis.report.curves import css
+from analysis.report.figure import Figure, Gallery
 from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, SOFT
 
 CASE_NAMES = {

@@ -14,13 +14,13 @@ from analysis.comparison.same_bed import changed_keys, ranks
 from analysis.driver import calibrate
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.book import KEY_SCENARIOS, Book, known_scenarios, name_of
+from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios, name_of
 from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
-from analysis.report.names import KPA, MM, short_name
+from analysis.report.labels import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import Column, Table, number, plural, shown
+from analysis.report.tables import Column, Table, number, plural, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import STATUSES
@@ -35,7 +35,7 @@ STATUS_TEXT = {
 }
 
 
-def assumptions(book: Book) -> dict:
+def assumptions(data: ReportData) -> dict:
     """Every parameter with status and source, and what runs say about the assumed ones."""
     names = known_scenarios()
     scenarios = {name: load_scenario(name, "full") for name in names}
@@ -54,7 +54,7 @@ def assumptions(book: Book) -> dict:
             }
         )
     counts = {s: sum(p["status"] == s for group in groups.values() for p in group) for s in STATUSES}
-    table, missing = sensitivity(book)
+    table, missing = sensitivity(data)
     return {
         "statuses": [{"name": s, "kind": STATUS_KIND[s], "count": counts[s], "text": STATUS_TEXT[s]} for s in STATUSES],
         "groups": [{"name": name, "parameters": entries} for name, entries in groups.items()],
@@ -62,25 +62,25 @@ def assumptions(book: Book) -> dict:
         "differences": difference_table(scenarios),
         "base": base.name if base else "",
         "sensitivity": table,
-        "calibration": calibration(book, base),
-        "plates": plate_laws(book),
+        "calibration": calibration(data, base),
+        "plates": plate_laws(data),
         "sensitivity_missing": missing,
     }
 
 
-def calibration(book: Book, base: Scenario | None) -> dict:
+def calibration(data: ReportData, base: Scenario | None) -> dict:
     """Table and figure of the beds that `make calibrate` tried, the chosen one marked; {} where there are none."""
     try:
-        beds = calibrate.read_table(book.calibration)
+        beds = calibrate.read_table(data.calibration)
     except FileNotFoundError:
         return {}
     except ValueError as error:
-        book.gallery.complain(str(error))
+        data.gallery.complain(str(error))
         return {}
     chosen = (base["clump.aspect"], base["packing.lattice_gap"]) if base else (np.nan, np.nan)
     return {
         "table": calibration_table(beds, chosen),
-        "figure": calibration_figure(book.gallery, beds, chosen),
+        "figure": calibration_figure(data.gallery, beds, chosen),
     }
 
 
@@ -130,13 +130,13 @@ def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
     return table
 
 
-def plate_laws(book: Book) -> list[dict]:
+def plate_laws(data: ReportData) -> list[dict]:
     """A table and figures per profile and contact model: what the law that holds the plates decides."""
     parts = []
     runs = [
-        run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1
+        run for run in (*data.runs, *data.variants) if len(run.cycles) and run.scenario is not None and run.seed == 1
     ]
-    for profile in book.profiles:
+    for profile in data.profiles:
         for base in KEY_SCENARIOS:
             named = re.compile(re.escape(base) + r"(-plates-\w+)?")
             members = [run for run in runs if run.profile == profile and named.fullmatch(run.scenario_name)]
@@ -147,7 +147,7 @@ def plate_laws(book: Book) -> list[dict]:
             shared = codes.last_common_cycle(members)
             name = f"plates-{base}-{profile}"
             settlement = settlement_figure(
-                book.gallery,
+                data.gallery,
                 members,
                 name,
                 f"{short_name(base)}: settlement under three laws of the plates",
@@ -156,7 +156,7 @@ def plate_laws(book: Book) -> list[dict]:
                 references=False,
             )
             lateral = lateral_figure(
-                book.gallery,
+                data.gallery,
                 members,
                 f"{name}-lateral",
                 f"{short_name(base)}: plates under three laws",
@@ -246,7 +246,7 @@ def derived_table(s: Scenario) -> Table:
     )
 
 
-def sensitivity(book: Book) -> tuple[Table, str]:
+def sensitivity(data: ReportData) -> tuple[Table, str]:
     """Pairs of runs of one code, profile, seed and rank count that differ in one assumed or calibrated parameter."""
     table = Table(
         "Runs that differ in one assumed or calibrated parameter only, after the last cycle they share",
@@ -262,7 +262,7 @@ def sensitivity(book: Book) -> tuple[Table, str]:
             Column("change, %", True),
         ],
     )
-    runs = [run for run in (*book.runs, *book.variants) if len(run.cycles) and run.scenario is not None]
+    runs = [run for run in (*data.runs, *data.variants) if len(run.cycles) and run.scenario is not None]
     for n, run in enumerate(runs):
         for other in runs[n + 1 :]:
             if (run.profile, run.code, run.seed, ranks(run)) != (other.profile, other.code, other.seed, ranks(other)):

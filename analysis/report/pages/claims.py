@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from analysis.comparison.claims import evidence
-from analysis.report.book import Book
+from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import Chip, Column, Table
+from analysis.report.tables import Chip, Column, Table
 
 VERDICT_KIND = {evidence.HOLDS: "good", evidence.FAILS: "bad", evidence.OPEN: "open"}
 
 
-def claims_page(book: Book) -> dict:
+def claims_page(data: ReportData) -> dict:
     """Every claim with its verdict per code, the numbers, and what is missing."""
     grouped: dict[int, list] = {}
-    for v in book.verdicts:
+    for v in data.verdicts:
         grouped.setdefault(v.claim.number, []).append(v)
-    codes = list(dict.fromkeys(v.code for v in book.verdicts))
+    codes = list(dict.fromkeys(v.code for v in data.verdicts))
     summary = Table("Verdicts per code", [Column("claim"), *(Column(CODE_NAMES.get(code, code)) for code in codes)])
     entries = []
     for n, members in sorted(grouped.items()):

@@ -9,9 +9,9 @@ import pandas as pd
 
 from analysis.comparison import codes, quantities, same_bed
 from analysis.comparison.quantities import last_cycle
-from analysis.report.book import (
+from analysis.report.report_data import (
     PROFILE_TEXT,
-    Book,
+    ReportData,
     code_of,
     name_of,
     overview_runs,
@@ -20,9 +20,9 @@ from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.figures.same_bed import same_bed_figure
-from analysis.report.names import MM, basis_of, short_name
+from analysis.report.labels import MM, basis_of, short_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
+from analysis.report.tables import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
 
 AGREEMENT_BRIEF = ("settlement_m", "lateral_mean_m", "resilient_stroke_m", "porosity_2", "coordination_number")
 AGREEMENT_SHOWN = (
@@ -42,9 +42,9 @@ AGREEMENT_SHOWN = (
 )
 
 
-def agreement_table(book: Book, profile: str, shown: Sequence[str] = AGREEMENT_SHOWN) -> Table | None:
+def agreement_table(data: ReportData, profile: str, shown: Sequence[str] = AGREEMENT_SHOWN) -> Table | None:
     """The codes next to each other after the last cycle that all runs of a scenario share."""
-    rows = book.agreement(profile)
+    rows = data.agreement(profile)
     rows = rows[rows["quantity"].isin(shown)]
     if rows.empty:
         return None
@@ -90,27 +90,27 @@ def agreement_table(book: Book, profile: str, shown: Sequence[str] = AGREEMENT_S
     return table
 
 
-def comparison(book: Book) -> dict:
+def comparison(data: ReportData) -> dict:
     """Both codes next to each other."""
     sections = []
-    for profile in book.profiles:
-        g = book.gallery
+    for profile in data.profiles:
+        g = data.gallery
         title, _ = PROFILE_TEXT.get(profile, (f"Profile {profile}", ""))
-        few = overview_runs(book, profile)[0]
+        few = overview_runs(data, profile)[0]
         parts = [
             {
                 "heading": "After the same cycle",
-                "table": agreement_table(book, profile),
+                "table": agreement_table(data, profile),
                 "missing": "It needs a run of the same scenario in both codes.",
             },
-            {"heading": "Lateral displacement of the plates", "table": lateral_table(book, profile)},
-            *same_bed_parts(book, profile),
-            {"heading": "Packed beds and seeds", "table": seed_table(book, profile)},
+            {"heading": "Lateral displacement of the plates", "table": lateral_table(data, profile)},
+            *same_bed_parts(data, profile),
+            {"heading": "Packed beds and seeds", "table": seed_table(data, profile)},
             {
                 "heading": "Does it shake down?",
                 "text": "A bed that shakes down settles ever more slowly; one that ratchets settles by as much in each "
                 "cycle; one that fails settles faster and faster, while its cribs heave and its plates give way.",
-                "table": rates_table(book, profile),
+                "table": rates_table(data, profile),
             },
             {
                 "heading": "Response within a cycle",
@@ -158,7 +158,7 @@ def comparison(book: Book) -> dict:
                     ],
                 ),
             },
-            *quantity_parts(book, profile),
+            *quantity_parts(data, profile),
         ]
         sections.append(
             {
@@ -170,9 +170,9 @@ def comparison(book: Book) -> dict:
     return {"sections": sections}
 
 
-def lateral_table(book: Book, profile: str) -> Table | None:
+def lateral_table(data: ReportData, profile: str) -> Table | None:
     """How alike the lateral profiles of both codes are."""
-    rows = codes.lateral_agreement(book.of(profile), PROFILE_CYCLES)
+    rows = codes.lateral_agreement(data.of(profile), PROFILE_CYCLES)
     table = Table(
         "Profiles over the five plates, LIGGGHTS against YADE",
         [
@@ -204,9 +204,9 @@ PREPARED = (  # heading, stage, name, factor to the unit of the heading
 )
 
 
-def seed_table(book: Book, profile: str) -> Table | None:
+def seed_table(data: ReportData, profile: str) -> Table | None:
     """Packed and preloaded beds of all runs, and their spread where a code has several seeds."""
-    runs = [run for run in book.runs if run.profile == profile and run.stages]
+    runs = [run for run in data.runs if run.profile == profile and run.stages]
     if not runs:
         return None
     table = Table("Packed and preloaded beds", [Column("run"), *(Column(heading, True) for heading, *_ in PREPARED)])
@@ -235,9 +235,9 @@ def seed_table(book: Book, profile: str) -> Table | None:
 TREND_KIND = {"slowing": "good", "steady": "open", "growing": "bad"}
 
 
-def rates_table(book: Book, profile: str) -> Table | None:
+def rates_table(data: ReportData, profile: str) -> Table | None:
     """How fast each run settles, span by span of cycles, and how fast plates and cribs go with it in the last span."""
-    runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile and len(run.cycles)]
+    runs = [run for run in (*data.of(profile), *data.variants) if run.profile == profile and len(run.cycles)]
     found = {run.id: quantities.settling_rates(run) for run in runs}
     ends = [b for b in quantities.RATE_EDGES if any(b in set(rates["last_cycle"]) for rates in found.values())]
     if len(ends) < 3:
@@ -279,9 +279,9 @@ def rates_table(book: Book, profile: str) -> Table | None:
     return table
 
 
-def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[same_bed.Pair]]:
+def same_bed_groups(data: ReportData, profile: str) -> dict[tuple[str, str], list[same_bed.Pair]]:
     """Pairs of runs from one bed, by the scenario they stand for and the checksum of the bed."""
-    runs = [run for run in (*book.of(profile), *book.variants) if run.profile == profile]
+    runs = [run for run in (*data.of(profile), *data.variants) if run.profile == profile]
     groups: dict[tuple[str, str], list[same_bed.Pair]] = {}
     for pair in same_bed.same_bed_pairs(runs):
         key = (basis_of(pair.one.scenario_name), pair.one.stages["packing"]["bed_sha256"])
@@ -289,16 +289,16 @@ def same_bed_groups(book: Book, profile: str) -> dict[tuple[str, str], list[same
     return groups
 
 
-def same_bed_parts(book: Book, profile: str) -> list[dict]:
+def same_bed_parts(data: ReportData, profile: str) -> list[dict]:
     """Runs from one bed that differ in one thing alone (code, time step, ranks), side by side: one part per bed and
     contact model.
     """
     parts = [
         {
             "table": same_bed_table(found, short_name(basis)),
-            "figure": same_bed_figure(book.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis)),
+            "figure": same_bed_figure(data.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis)),
         }
-        for (basis, bed), found in same_bed_groups(book, profile).items()
+        for (basis, bed), found in same_bed_groups(data, profile).items()
     ]
     missing = {
         "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE "
@@ -343,9 +343,9 @@ def same_bed_table(found: Sequence[same_bed.Pair], title: str) -> Table:
     return table
 
 
-def quantity_parts(book: Book, profile: str) -> list[dict]:
+def quantity_parts(data: ReportData, profile: str) -> list[dict]:
     """Every quantity of every run after its last cycle, or the reason why it is missing: one table per scenario."""
-    parts, runs = [], book.of(profile)
+    parts, runs = [], data.of(profile)
     for scenario in dict.fromkeys(run.scenario_name for run in runs):
         members = [run for run in runs if run.scenario_name == scenario]
         found = {run.id: last_values(quantities.summary(run)) for run in members}

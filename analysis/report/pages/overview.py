@@ -10,50 +10,50 @@ from analysis.comparison.claims import evidence
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.book import (
+from analysis.report.report_data import (
     PAPER_SCENARIO,
     PROFILE_TEXT,
-    Book,
+    ReportData,
     known_scenarios,
     name_of,
     overview_runs,
     tracking_percent,
 )
 from analysis.report.figures.beds import bed_figure
-from analysis.report.figures.gallery import family_of
+from analysis.report.figure import family_of
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import tracking_figure
 from analysis.report.figures.porosity import porosity_figure
 from analysis.report.figures.settlement import settlement_figure
-from analysis.report.names import MM, SOURCE_NAMES, short_name
+from analysis.report.labels import MM, SOURCE_NAMES, short_name
 from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table, same_bed_groups
 from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import GRAVITY, number, plural
+from analysis.report.tables import GRAVITY, number, plural
 from analysis.scenarios import derived
 
 LEAST_TREND_CYCLES = 10
 """In fewer cycles than this every bed slows down."""
 
 
-def overview(book: Book) -> dict:
+def overview(data: ReportData) -> dict:
     """The first page."""
-    verdicts = book.verdicts
+    verdicts = data.verdicts
     return {
-        "known": known(book, verdicts),
-        "pending": pending(book, verdicts),
-        "sections": [overview_section(book, p) for p in book.profiles],
-        "runs_table": runs_table(book.runs),
-        "results": book.results,
-        "problems": book.problems,
+        "known": known(data, verdicts),
+        "pending": pending(data, verdicts),
+        "sections": [overview_section(data, p) for p in data.profiles],
+        "runs_table": runs_table(data.runs),
+        "results": data.results,
+        "problems": data.problems,
     }
 
 
-def overview_section(book: Book, profile: str) -> dict:
+def overview_section(data: ReportData, profile: str) -> dict:
     """Figures and agreement of one profile."""
-    g, (runs, more) = book.gallery, overview_runs(book, profile)
+    g, (runs, more) = data.gallery, overview_runs(data, profile)
     title, text = PROFILE_TEXT.get(profile, (f"Profile {profile}", ""))
-    full = book.of(profile)
+    full = data.of(profile)
     seeds = max(
         (sum(1 for r in full if (r.scenario_name, r.code) == key) for key in {(r.scenario_name, r.code) for r in full}),
         default=0,
@@ -119,15 +119,15 @@ def overview_section(book: Book, profile: str) -> dict:
             "and the extremes of "
             "each cycle minus their targets of 50 and 460 kPa (paler: minimum).",
         ),
-        "agreement": agreement_table(book, profile, AGREEMENT_BRIEF),
+        "agreement": agreement_table(data, profile, AGREEMENT_BRIEF),
     }
 
 
-def known(book: Book, verdicts: Sequence) -> list[str]:
+def known(data: ReportData, verdicts: Sequence) -> list[str]:
     """What the runs show, in sentences with numbers."""
     lines = []
-    for profile in book.profiles:
-        runs = book.of(profile)
+    for profile in data.profiles:
+        runs = data.of(profile)
         codes = [CODE_NAMES.get(code, code) for code in sorted({run.code for run in runs})]
         longest = max(runs, key=last_cycle)
         where = {"full": "At full size", "demo": "On the demo slice"}.get(profile, f"At profile {profile}")
@@ -136,13 +136,13 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             f"{' and '.join(codes)}; "
             f"the longest has {plural(last_cycle(longest), 'cycle')} ({name_of(longest)})."
         )
-        if profile != book.profiles[0]:
+        if profile != data.profiles[0]:
             continue  # the numbers of a smaller bed would only distract
-        for scenario in dict.fromkeys(run.scenario_name for run in overview_runs(book, profile)[0]):
+        for scenario in dict.fromkeys(run.scenario_name for run in overview_runs(data, profile)[0]):
             parts = []
             members = [run for run in runs if run.scenario_name == scenario]
             common = min(last_cycle(run) for run in members)
-            for curve in book.gallery.curves(members):
+            for curve in data.gallery.curves(members):
                 values = curve.column("settlement_m").reindex([common]).iloc[0]
                 spread = (
                     f" ({number(values['low'], 3, MM)} to {number(values['high'], 3, MM)}, {len(curve.runs)} seeds)"
@@ -154,8 +154,8 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             lines.append(
                 f"{short_name(scenario)}: settlement after {plural(common, 'cycle')} {', '.join(parts)}{single}."
             )
-        lines += same_bed_lines(book, profile)
-        lines += settling(overview_runs(book, profile)[0])
+        lines += same_bed_lines(data, profile)
+        lines += settling(overview_runs(data, profile)[0])
         if profile == "full":
             lines += packed_beds(runs)
         worst = max(runs, key=lambda run: tracking_percent(run))
@@ -163,12 +163,12 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
             f"The load is met within {tracking_percent(worst):.2g} % rms of its maximum in every cycle of these runs "
             f"(worst: {name_of(worst)})."
         )
-    if len(book.verification):
-        passed, total = int(book.verification["passed"].sum()), len(book.verification)
+    if len(data.verification):
+        passed, total = int(data.verification["passed"].sum()), len(data.verification)
         lines.append(
             f"Verification: {passed} of {total} comparisons of the contact laws and bodies with known answers pass."
         )
-    lines += in_hand(book)
+    lines += in_hand(data)
     for verdict, one, more in ((evidence.HOLDS, "holds", "hold"), (evidence.FAILS, "does not hold", "do not hold")):
         count = len({v.claim.number for v in verdicts if v.verdict == verdict})
         if count:
@@ -179,9 +179,9 @@ def known(book: Book, verdicts: Sequence) -> list[str]:
     return lines
 
 
-def in_hand(book: Book) -> list[str]:
+def in_hand(data: ReportData) -> list[str]:
     """Reference curves that are digitised, by whom, and how far the longest run of each code is from them."""
-    sources = book.references.sources
+    sources = data.references.sources
     sources = sources[sources["digitised"] > 0]
     if sources.empty:
         return []
@@ -190,7 +190,7 @@ def in_hand(book: Book) -> list[str]:
         for r in sources.itertuples()
     )
     lines = [f"Reference curves in hand: {whose}."]
-    scores = against_published.reference_table(book.of(book.profiles[0]) if book.profiles else [], book.references)
+    scores = against_published.reference_table(data.of(data.profiles[0]) if data.profiles else [], data.references)
     if len(scores):
         texts = [
             f"{short_name(r.scenario)} {CODE_NAMES.get(r.code, r.code)} {number(r.rms_m, 2, MM)} mm"
@@ -200,10 +200,10 @@ def in_hand(book: Book) -> list[str]:
     return lines
 
 
-def same_bed_lines(book: Book, profile: str) -> list[str]:
+def same_bed_lines(data: ReportData, profile: str) -> list[str]:
     """How closely the codes agree from one bed, beside two time steps of one code."""
     lines = []
-    for (basis, _), found in same_bed_groups(book, profile).items():
+    for (basis, _), found in same_bed_groups(data, profile).items():
         spans = {}
         for pair in found:
             ratios = 100 * same_bed.settlements(pair)["difference_ratio"].abs()
@@ -292,10 +292,10 @@ def claim_numbers(verdicts: Sequence, verdict: str) -> str:
     return "; ".join(f"no. {', '.join(numbers)} in {where}" for where, numbers in groups.items())
 
 
-def pending(book: Book, verdicts: Sequence) -> list[str]:
+def pending(data: ReportData, verdicts: Sequence) -> list[str]:
     """What is missing, and why it matters."""
     lines = []
-    full = book.of("full")
+    full = data.of("full")
     if not full:
         lines.append("No full-size run yet: nothing here is about the paper's bed.")
     else:
@@ -315,9 +315,9 @@ def pending(book: Book, verdicts: Sequence) -> list[str]:
         if single:
             which = "All" if len(single) == len(groups) else f"{len(single)} of {len(groups)}"
             lines.append(f"{which} full-size curves rest on a single packing seed: they have no uncertainty.")
-    curves = book.references.pending
+    curves = data.references.pending
     if len(curves):
-        there = book.references.sources["digitised"].sum() if len(book.references.sources) else 0
+        there = data.references.sources["digitised"].sum() if len(data.references.sources) else 0
         lines.append(
             f"{plural(len(curves), 'reference curve')} of {plural(curves['sidecar'].nunique(), 'figure')} are not "
             f"digitised yet (experiment, Chen 2015, the paper's own): "
@@ -327,7 +327,7 @@ def pending(book: Book, verdicts: Sequence) -> list[str]:
     open_claims = claim_numbers(verdicts, evidence.OPEN)
     if open_claims:
         lines.append(f"Claims not decidable yet: {open_claims}.")
-    if not len(book.verification):
+    if not len(data.verification):
         lines.append("The verification of the contact laws has not been run (make verify).")
     lines.append(
         "Not known from the paper and assumed here: the clump's aspect (calibrated), the law that holds the plates, "

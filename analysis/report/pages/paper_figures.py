@@ -9,32 +9,32 @@ from analysis.comparison import against_published, settlement_fits
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
-from analysis.report.book import (
+from analysis.report.report_data import (
     KEY_SCENARIOS,
     PAPER_SCENARIO,
-    Book,
+    ReportData,
     known_scenarios,
     name_of,
     overview_runs,
 )
 from analysis.report.figures.beds import bed_figure
-from analysis.report.figures.gallery import Figure, Gallery, family_of
+from analysis.report.figure import Figure, Gallery, family_of
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
 from analysis.report.figures.settlement import settlement_figure, shape_figure
-from analysis.report.names import MM, MODE_NAMES, SOURCE_NAMES, short_name
+from analysis.report.labels import MM, MODE_NAMES, SOURCE_NAMES, short_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import Chip, Column, Table, interval, number
+from analysis.report.tables import Chip, Column, Table, interval, number
 from analysis.scenarios.scenario import load_scenario
 
 
-def paper_figures(book: Book) -> dict:
+def paper_figures(data: ReportData) -> dict:
     """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any."""
-    g = book.gallery
-    profile = book.profiles[0] if book.profiles else "full"
-    runs = book.of(profile)
+    g = data.gallery
+    profile = data.profiles[0] if data.profiles else "full"
+    runs = data.of(profile)
     by_name = {
         name: [run for run in runs if run.scenario_name == name]
         for name in dict.fromkeys(run.scenario_name for run in runs)
@@ -46,7 +46,7 @@ def paper_figures(book: Book) -> dict:
 
     linear = of_family(runs, "linear")
     groups = [
-        bed_group(book, profile),
+        bed_group(data, profile),
         {
             "title": "Figure 6: the load",
             "missing": "It needs a run whose history.csv is on this machine; committed runs have none.",
@@ -133,21 +133,21 @@ def paper_figures(book: Book) -> dict:
             "figures": [
                 shape_figure(
                     g,
-                    overview_runs(book, profile)[0],
+                    overview_runs(data, profile)[0],
                     "settlement-shape",
                     "Settlement over that of the first cycle",
                     "Published laws as shapes (broken grey): their absolute size belongs to other loads and beds. "
                     "Coefficients are transcribed from secondary quotation.",
                 )
             ],
-            "tables": [law_table(book, profile)],
+            "tables": [law_table(data, profile)],
         }
     )
     groups.append(
         {
             "title": "Reference curves",
             "figures": [],
-            "tables": [sources_table(book), reference_scores(book, profile), lateral_scores(book, profile)],
+            "tables": [sources_table(data), reference_scores(data, profile), lateral_scores(data, profile)],
             "missing": "",
         }
     )
@@ -178,9 +178,9 @@ def paper_figures(book: Book) -> dict:
         group["figures"] = [f for f in group["figures"] if f]
         group["tables"] = [t for t in group.get("tables", ()) if t]
     note = ""
-    if len(book.references.pending):
+    if len(data.references.pending):
         note = (
-            f"{len(book.references.pending)} reference curves are pending: no point of them is in the paper's text, "
+            f"{len(data.references.pending)} reference curves are pending: no point of them is in the paper's text, "
             f"and none is invented here. "
             "Once digitised (reference_data/README.md) they are drawn in these figures and the claims are judged "
             "against them."
@@ -191,7 +191,7 @@ def paper_figures(book: Book) -> dict:
         else "There is no run yet; what needs none is shown.",
         "groups": groups,
         "reference_note": note,
-        "reference_problems": book.references.problems,
+        "reference_problems": data.references.problems,
     }
 
 
@@ -219,11 +219,11 @@ def mode_figures(
     ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption_alone)]
 
 
-def bed_group(book: Book, profile: str) -> dict:
+def bed_group(data: ReportData, profile: str) -> dict:
     """Figure 5: packed beds, and the force chains after loading."""
-    g = book.gallery
-    candidates = [run for run in book.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1]
-    candidates = candidates or list(book.of(profile))[:2]
+    g = data.gallery
+    candidates = [run for run in data.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1]
+    candidates = candidates or list(data.of(profile))[:2]
     packed, label = [run for run in candidates if (run.folder / "raw" / "bed_packed.csv").exists()], "packed"
     packed = [run for run in packed if run.scenario and not run.scenario["packing.bed_from"]] or packed
     if not packed:
@@ -257,7 +257,7 @@ def bed_group(book: Book, profile: str) -> dict:
     }
 
 
-def law_table(book: Book, profile: str) -> Table | None:
+def law_table(data: ReportData, profile: str) -> Table | None:
     """Which law describes each settlement curve, and whether it has the exponential start."""
     table = Table(
         "Does settlement start exponentially? S = a + b (1 − exp(−N/c)) + d N against a logarithm, a power law and a "
@@ -273,7 +273,7 @@ def law_table(book: Book, profile: str) -> Table | None:
             Column("why", wide=True),
         ],
     )
-    for run in book.of(profile):
+    for run in data.of(profile):
         choice = settlement_fits.choose(run.cycles["cycle"], run.cycles["settlement_m"])
         fit = choice.fits.get("exponential")
         kind = {"yes": "good", "no": "bad"}.get(choice.exponential_start, "open")
@@ -295,9 +295,9 @@ def law_table(book: Book, profile: str) -> Table | None:
     return table if table.rows else None
 
 
-def reference_scores(book: Book, profile: str) -> Table | None:
+def reference_scores(data: ReportData, profile: str) -> Table | None:
     """Settlement of runs against the reference curves that are there."""
-    rows = against_published.reference_table(book.of(profile), book.references)
+    rows = against_published.reference_table(data.of(profile), data.references)
     table = Table(
         "Settlement against the reference curves",
         [
@@ -336,9 +336,9 @@ def reference_scores(book: Book, profile: str) -> Table | None:
     return table if table.rows else None
 
 
-def lateral_scores(book: Book, profile: str) -> Table | None:
+def lateral_scores(data: ReportData, profile: str) -> Table | None:
     """Lateral displacement of runs against the reference profiles that are there."""
-    rows = against_published.lateral_reference_table(book.of(profile), book.references)
+    rows = against_published.lateral_reference_table(data.of(profile), data.references)
     table = Table(
         "Lateral displacement against the reference profiles",
         [
@@ -365,7 +365,7 @@ def lateral_scores(book: Book, profile: str) -> Table | None:
     return table if table.rows else None
 
 
-def sources_table(book: Book) -> Table | None:
+def sources_table(data: ReportData) -> Table | None:
     """Where each reference curve comes from: who digitised it, how, with what error; or that it is pending."""
     table = Table(
         "Where the reference curves come from",
@@ -380,7 +380,7 @@ def sources_table(book: Book) -> Table | None:
             Column("licence", wide=True),
         ],
     )
-    for r in book.references.sources.itertuples():
+    for r in data.references.sources.itertuples():
         table.rows.append(
             [
                 r.sidecar,

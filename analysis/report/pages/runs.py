@@ -12,11 +12,11 @@ import pandas as pd
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.book import Book, name_of, speed, state_of, timing, tracking_percent
-from analysis.report.figures.gallery import run_id
+from analysis.report.report_data import ReportData, name_of, speed, state_of, timing, tracking_percent
+from analysis.report.figure import run_id
 from analysis.report.figures.load import TRACKING_AIM, tracking_figure
-from analysis.report.names import KPA, MM
-from analysis.report.words import Chip, Column, Table, number, plural
+from analysis.report.labels import KPA, MM
+from analysis.report.tables import Chip, Column, Table, number, plural
 
 STATE_KIND = {"finished": "good", "running": "calm", "interrupted": "open", "failed": "bad"}
 
@@ -68,7 +68,7 @@ def tracking_cell(run: Run) -> Chip | str:
     return Chip(f"{number(value, 2)} (aim {aim})", "open") if value > aim else number(value, 2)
 
 
-def runs_page(book: Book) -> dict:
+def runs_page(data: ReportData) -> dict:
     """Every run with where it comes from."""
     summary = Table(
         "Provenance",
@@ -84,7 +84,7 @@ def runs_page(book: Book) -> dict:
         ],
     )
     entries = []
-    for run in (*book.runs, *book.variants):
+    for run in (*data.runs, *data.variants):
         versions = run.info.get("versions", {})
         state, reason = state_of(run)
         commit = str(run.info.get("git_commit") or "")[:10] or "–"
@@ -108,25 +108,25 @@ def runs_page(book: Book) -> dict:
     left_out = Table(
         "Runs that are not drawn",
         [Column("run"), Column("why", wide=True)],
-        [[run.id, why] for run, why in book.left_out],
+        [[run.id, why] for run, why in data.left_out],
     )
     tracking = [
         tracking_figure(
-            book.gallery,
-            book.of(profile),
+            data.gallery,
+            data.of(profile),
             f"tracking-all-{profile}",
             f"Load tracking, all runs of profile {profile}",
             "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum).",
         )
-        for profile in book.profiles
+        for profile in data.profiles
     ]
     return {
         "summary": summary,
         "runs": entries,
         "tables": [left_out],
         "figures": tracking,
-        "results": book.results,
-        "problems": book.problems,
+        "results": data.results,
+        "problems": data.problems,
     }
 
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import pandas as pd
 
-from analysis.report.book import Book
+from analysis.report.report_data import ReportData
 from analysis.report.figures.verification import case_figure, case_name
 from analysis.report.style import CODE_NAMES
-from analysis.report.words import Chip, Column, Table, number
+from analysis.report.tables import Chip, Column, Table, number
 
 
-def verification(book: Book) -> dict:
+def verification(data: ReportData) -> dict:
     """The result of `make verify`: a figure and a table per case."""
-    rows = book.verification
+    rows = data.verification
     codes = sorted(set(rows["code"]), key=lambda code: (code not in CODE_NAMES, code))
     summary = Table("Comparisons that pass", [Column("case"), *(Column(CODE_NAMES.get(code, code)) for code in codes)])
     cases = []
     for case in dict.fromkeys(rows["case"]):
         part = rows[rows["case"] == case].sort_values("passed", kind="stable")
         title = case_name(case)
-        figure = case_figure(book.gallery, book.verification_folder, case, part)
+        figure = case_figure(data.gallery, data.verification_folder, case, part)
         passed = int(part["passed"].sum())
         cases.append(
             {"name": case, "title": title, "passed": passed, "total": len(part), "figure": figure}

@@ -12,7 +12,7 @@ from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.cases.impacts import OWN_SLIP_LIMIT, own_slip_limit, pair_law, wall_law
 from analysis.verification.probes import ClumpAt, Probe, Trajectory, with_values
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 X, Y = 0.2, 0.2
 """Where cases take place, m: anywhere in the box."""
@@ -70,7 +70,7 @@ class FreeRotation:
     def probes(self) -> list[Probe]:
         return [self._probe]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         rows = found[self._probe.name]
         motion = Motion(self.clump, rows)
         momentum = np.array(
@@ -83,7 +83,7 @@ class FreeRotation:
         energy = 0.5 * momentum @ np.array(self.SPIN) + 0.5 * self.clump.mass_kg * (0.1**2 + 0.05**2 + 0.02**2)
         reason = "closed form, 1e5 steps of the scenario"
         if self.code == "yade":
-            sheet.compare(
+            results.compare(
                 self.name,
                 "kinetic_energy_J",
                 energy,
@@ -93,10 +93,10 @@ class FreeRotation:
                 "rotation gains energy in proportion to step, time and spin, and keeps the angular momentum",
             )
         else:
-            sheet.compare(self.name, "kinetic_energy_J", energy, motion.kinetic_energy()[-1, 0], 0.001, reason)
+            results.compare(self.name, "kinetic_energy_J", energy, motion.kinetic_energy()[-1, 0], 0.001, reason)
         size = np.linalg.norm(momentum)
         for k, axis in enumerate("xyz"):
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"angular_momentum_{axis}_kgm2_s",
                 momentum[k],
@@ -107,7 +107,7 @@ class FreeRotation:
             )
         expected = precession(motion.axis[1, 0], momentum, self.clump.inertia_transverse_kgm2, rows.time - rows.time[1])
         for k, axis in enumerate("xyz"):
-            sheet.compare_curves(
+            results.compare_curves(
                 self.name,
                 f"axis_{axis}",
                 expected[1:, k],
@@ -115,7 +115,7 @@ class FreeRotation:
                 0.005,
                 f"closed form over {size / self.clump.inertia_transverse_kgm2 * rows.time[-1] / 2 / math.pi:.1f} turns",
             )
-        sheet.compare(
+        results.compare(
             self.name,
             "contacts between the clump's own spheres",
             0,
@@ -123,7 +123,7 @@ class FreeRotation:
             0.0,
             "they overlap, never act",
         )
-        sheet.compare(
+        results.compare(
             self.name,
             "force_N between the clump's own spheres",
             0,
@@ -132,7 +132,7 @@ class FreeRotation:
             "they overlap, never act",
         )
         pick = slice(1, None, 5)
-        sheet.curve(
+        results.curve(
             self.name,
             "axis",
             time_s=rows.time[pick],
@@ -198,7 +198,7 @@ class Bounces:
     def probes(self) -> list[Probe]:
         return [entry[2] for entry in self._entries]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, scenario, probe, start in self._entries:
             rows = found[probe.name]
             motion = Motion(self.clump, rows)
@@ -221,9 +221,9 @@ class Bounces:
             for quantity, expected, value, scale in zip(
                 ("velocity_x_m_s", "velocity_z_m_s", "spin_rad_s"), states[-1][3:], measured, scales
             ):
-                sheet.compare(self.name, f"{quantity} of {name}", expected, value, 0.005, reason, scale=scale)
+                results.compare(self.name, f"{quantity} of {name}", expected, value, 0.005, reason, scale=scale)
             if name.startswith("upright"):
-                sheet.compare(
+                results.compare(
                     self.name,
                     f"restitution of {name}",
                     laws.dashpot_restitution(law.damping_ratio),
@@ -232,7 +232,7 @@ class Bounces:
                     "closed form with the mass of the whole clump",
                 )
             pick = slice(None, None, 10)
-            sheet.curve(
+            results.curve(
                 self.name,
                 name,
                 time_s=rows.time[pick],
@@ -271,20 +271,20 @@ class Pairs:
     def probes(self) -> list[Probe]:
         return [entry[-1] for entry in self._entries]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, law, probe in self._entries:
             motion = Motion(self.clump, found[probe.name])
             expected = oracle.head_on(law, self.SPEED)
             apart = motion.centre[:, 1, 0] - motion.centre[:, 0, 0]
             overlap = 2 * (self.clump.radius_m + self.clump.half_distance_m) - apart
             restitution = (motion.velocity[-1, 1, 0] - motion.velocity[-1, 0, 0]) / self.SPEED
-            sheet.compare(self.name, f"restitution of {name}", expected.restitution, restitution, 0.005, "oracle")
+            results.compare(self.name, f"restitution of {name}", expected.restitution, restitution, 0.005, "oracle")
             force = motion.force[:, 1, 0]
             for quantity, peak in (("peak_overlap_m", overlap.max()), ("peak_force_N", force.max())):
-                sheet.compare(self.name, f"{quantity} of {name}", getattr(expected, quantity), peak, 0.005, "oracle")
+                results.compare(self.name, f"{quantity} of {name}", getattr(expected, quantity), peak, 0.005, "oracle")
             pick = expected.time_s[::8]
             force = np.interp(pick, motion.time - 20.4 * probe.step, force)
-            sheet.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
+            results.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
 
 
 class Column:
@@ -347,25 +347,25 @@ class Column:
     def probes(self) -> list[Probe]:
         return [*self._column.values(), self._slider]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, probe in self._column.items():
             kinetic, potential, elastic = self._energies(probe, found[probe.name])
             total = kinetic + potential + elastic
             time = found[probe.name].time
-            sheet.compare(self.name, f"energy_J of the {name} column", total[1], total[-1], 0.005, "after 1e5 steps")
+            results.compare(self.name, f"energy_J of the {name} column", total[1], total[-1], 0.005, "after 1e5 steps")
             worst = 1 + int(np.argmax(np.abs(total[1:] - total[1])))
-            sheet.compare(
+            results.compare(
                 self.name, f"energy_J of the {name} column, worst row", total[1], total[worst], 0.005, "over 1e5 steps"
             )
             pick = slice(1, None, 10)
-            sheet.curve(
+            results.curve(
                 self.name,
                 f"{name} column",
                 time_s=time[pick],
                 energy_J=total[pick],
                 energy_J_expected=np.full_like(total[pick], total[1]),
             )
-        self._judge_friction(found[self._slider.name], sheet)
+        self._judge_friction(found[self._slider.name], results)
 
     def _energies(self, probe: Probe, found: Trajectory):
         """Kinetic, potential and elastic energy (J) of all clumps over time, from positions and velocities alone."""
@@ -394,7 +394,7 @@ class Column:
                     )
         return kinetic, potential, elastic
 
-    def _judge_friction(self, found: Trajectory, sheet: Sheet) -> None:
+    def _judge_friction(self, found: Trajectory, results: Results) -> None:
         probe = self._slider
         law = wall_law(probe.scenario, self.clump.mass_kg)
         kinetic, potential, elastic = self._energies(probe, found)
@@ -403,7 +403,7 @@ class Column:
         slip_work, dashpot_work = dissipation(law, self.clump.radius_m, found, probe.step)
         total = kinetic + potential + elastic + np.cumsum(slip_work + dashpot_work)
         lost = kinetic[1] + potential[1] - kinetic[-1] - potential[-1]
-        sheet.compare(
+        results.compare(
             self.name,
             "dissipated_J with friction and dashpot",
             lost,
@@ -412,7 +412,7 @@ class Column:
             f"lost kinetic and potential energy; {slip_work.sum() / lost:.0%} of it by slip",
         )
         worst = 1 + int(np.argmax(np.abs(total[1:] - total[1])))
-        sheet.compare(
+        results.compare(
             self.name,
             "energy_J with friction and dashpot, worst row",
             total[1],
@@ -421,7 +421,7 @@ class Column:
             "kinetic + potential + elastic + dissipated",
         )
         pick = slice(1, None, 20)
-        sheet.curve(
+        results.curve(
             self.name,
             "friction",
             time_s=found.time[pick],

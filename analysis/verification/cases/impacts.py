@@ -12,7 +12,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 STEPS_BEFORE = 20.4
 """Free flight before the contact, in steps: it closes within a step, as contacts do."""
@@ -149,16 +149,18 @@ class Impacts:
     def probes(self) -> list[Probe]:
         return [entry[0] for entry in self._entries]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for probe, law, speed, tolerance, reason, closed, only in self._entries:
             measured, overlap, force = measure(probe, found[probe.name])
             impact = oracle.head_on(law, speed)
             for quantity in only:
                 expected = closed.get(quantity, getattr(impact, quantity))
-                sheet.compare(self.name, f"{quantity} of {probe.name}", expected, measured[quantity], tolerance, reason)
+                results.compare(
+                    self.name, f"{quantity} of {probe.name}", expected, measured[quantity], tolerance, reason
+                )
             time = found[probe.name].time - STEPS_BEFORE * probe.step
             pick = impact.time_s[::8]
-            sheet.curve(
+            results.curve(
                 self.name,
                 probe.name,
                 time_s=pick,
@@ -361,7 +363,7 @@ class Oblique:
     def probes(self) -> list[Probe]:
         return [entry[-1] for entry in self._entries]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         radius, mass = self.clump.radius_m, self.clump.mass_kg
         inertia = 0.4 * mass * radius**2
         curves: dict[str, list] = {}
@@ -385,7 +387,7 @@ class Oblique:
             last = found[probe.name]
             measured = (last.velocity[-1, 0, 0], last.velocity[-1, 0, 2], last.spin[-1, 0, 1])
             where = f"of {label} at {angle} deg"
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"tangential_velocity_m_s {where}",
                 expected[0],
@@ -394,10 +396,10 @@ class Oblique:
                 reason + "; error in relation to the incoming velocity along the wall",
                 scale=x,
             )
-            sheet.compare(
+            results.compare(
                 self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005, "closed form"
             )
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"spin_rad_s {where}",
                 expected[2],
@@ -409,7 +411,7 @@ class Oblique:
             curves.setdefault(label, []).append((angle, measured[0], expected[0], measured[2], expected[2]))
         for label, points in curves.items():
             columns = np.array(points).T
-            sheet.curve(
+            results.curve(
                 self.name,
                 label,
                 angle_deg=columns[0],
@@ -468,7 +470,7 @@ class NoApproach:
     def probes(self) -> list[Probe]:
         return self._probes
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         r, mass = self.clump.radius_m, self.clump.mass_kg
         law = pair_law(self.code, self.scenario, mass, laws.effective_radius(r, r))
         static = (mass * 9.81 / laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)) ** (2 / 3)
@@ -480,8 +482,8 @@ class NoApproach:
             reason = "oracle with the limit"
             if self.code == "yade":
                 reason = "YADE's viscous Hertz law needs no limit: its own oracle"
-            sheet.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
-            sheet.curve(
+            results.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
+            results.curve(
                 self.name,
                 probe.name,
                 time_s=rows.time[::30],
@@ -490,7 +492,7 @@ class NoApproach:
             )
             if self.code == "yade":
                 continue  # its weaker dashpot has not brought the sphere to rest by then, and has no limit to count
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"overlap_at_rest_m of {probe.name}",
                 static,
@@ -499,7 +501,7 @@ class NoApproach:
                 "closed form: weight = Hertz force",
             )
             resting = int(rows.at_limit[-1])
-            sheet.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
+            results.compare(self.name, f"contacts_at_limit of {probe.name}", 1, resting, 0.0, "counted at the end")
 
 
 def sink(law, overlap: float, speed: float, gravity: float, times: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification.cases.clumps import about_y
 from analysis.verification.probes import call_engine, with_values
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 CLEARANCE = 1e-8
 """Gap beside the column, m: the walls keep it from buckling and carry nothing."""
@@ -78,15 +78,15 @@ class LoadedColumn:
         checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engines.CHECKPOINT_SUFFIX[self.code]}"
         call_engine(engines.command(self.code, "cyclic", run_dir, checkpoint), run_dir)
 
-    def judge(self, folder: Path, sheet: Sheet) -> None:
+    def judge(self, folder: Path, results: Results) -> None:
         for law, scenario in self.scenarios.items():
-            self._judge(law, scenario, folder / law / "raw", sheet)
+            self._judge(law, scenario, folder / law / "raw", results)
 
-    def _judge(self, law: str, scenario: Scenario, raw: Path, sheet: Sheet) -> None:
+    def _judge(self, law: str, scenario: Scenario, raw: Path, results: Results) -> None:
         area = derived.apparatus(scenario).sleeper_area_m2
         weight = LAYERS * derived.clump(scenario).mass_kg * scenario["packing.final_gravity"]
         preload = _columns(raw / "preload.csv")
-        sheet.compare(
+        results.compare(
             self.name,
             f"static stress_Pa, {law}",
             scenario["preload.sleeper_stress"],
@@ -95,7 +95,7 @@ class LoadedColumn:
             "at the end of preload",
         )
         floor, sleeper = self._contact_sums(raw / "contacts_preloaded.csv")
-        sheet.compare(
+        results.compare(
             self.name,
             f"contact force on the floor_N, {law}",
             scenario["preload.sleeper_stress"] * area + weight,
@@ -103,7 +103,7 @@ class LoadedColumn:
             0.005,
             "static: sleeper force and weight of the clumps",
         )
-        sheet.compare(
+        results.compare(
             self.name,
             f"sum of contact forces on the sleeper_N at rest, {law}",
             preload["sleeper_stress_Pa"][-1] * area,
@@ -118,7 +118,7 @@ class LoadedColumn:
         measured = _harmonic(
             rows["time_s"][second], rows["sleeper_displacement_m"][second], scenario["loading.frequency"]
         )
-        sheet.compare(
+        results.compare(
             self.name,
             f"displacement amplitude_m at 20 Hz, {law}",
             abs(sway),
@@ -127,7 +127,7 @@ class LoadedColumn:
             "chain of masses and springs, second cycle",
         )
         rms = math.sqrt(rows["sleeper_error_ms_Pa2"][second].mean())
-        sheet.compare(
+        results.compare(
             self.name,
             f"tracking error_Pa rms, {law}",
             abs(error) / math.sqrt(2),
@@ -136,7 +136,7 @@ class LoadedColumn:
             "same chain; 2 %: what is left of the start of loading",
         )
         sums = self._contact_sums(raw / "contacts_cycle_000002.csv")
-        sheet.compare(
+        results.compare(
             self.name,
             f"sum of contact forces on the sleeper_N under load, {law}",
             rows["sleeper_stress_Pa"][-1] * area,
@@ -147,7 +147,7 @@ class LoadedColumn:
 
         time, mean = rows["time_s"][second], rows["sleeper_displacement_m"][second].mean()
         turns = np.exp(2j * math.pi * scenario["loading.frequency"] * time)
-        sheet.curve(
+        results.curve(
             self.name,
             law,
             time_s=time,

@@ -10,7 +10,7 @@ from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.cases.impacts import OWN_SLIP_LIMIT, pair_law, wall_law
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 HELD_MASS = 1e12
 
@@ -82,11 +82,11 @@ class Paths:
         sliding = np.einsum("ij,ij->i", velocity, along[1:]) * probe.step
         return overlap, closing, sliding, normal[1:], along[1:]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, probe in self._probes.items():
-            self._judge(name, probe, found[probe.name], sheet)
+            self._judge(name, probe, found[probe.name], results)
 
-    def _judge(self, name: str, probe: Probe, found: Trajectory, sheet: Sheet) -> None:
+    def _judge(self, name: str, probe: Probe, found: Trajectory, results: Results) -> None:
         scenario, wall, *_ = self._entries[name]
         r, mass = self.clump.radius_m, self.clump.mass_kg
         overlap, closing, sliding, normal, along = self.geometry(probe)
@@ -102,21 +102,21 @@ class Paths:
         reason, tolerance = "oracle, eq. 1-16 step by step", 1e-4
         if deviates:
             reason, tolerance = "oracle with YADE's own law: no eq. 3, dashpot's force in the slip limit", 0.005
-        sheet.compare_curves(self.name, f"normal_force_N of {name}", normal_force, measured_normal, tolerance, reason)
-        sheet.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
+        results.compare_curves(self.name, f"normal_force_N of {name}", normal_force, measured_normal, tolerance, reason)
+        results.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
 
         ends = np.cumsum([steps for _, steps in PATH])
         closes = int(np.flatnonzero(overlap[1:] > 0)[0])
         again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1 :] > 0)[0])
         for step, what in ((closes, "after the closing step"), (again, "after closing again")):
             note = "eq. 3: share of the step in contact" if not deviates else "YADE has no eq. 3: the whole step counts"
-            sheet.compare(
+            results.compare(
                 self.name, f"shear_force_N {what} of {name}", shear_force[step], measured_shear[step], tolerance, note
             )
         apart = int((overlap[ends[4] : ends[5]] < 0).sum()) // 2 + ends[4] + 1
         while overlap[apart] >= 0:
             apart += 1
-        sheet.compare(
+        results.compare(
             self.name, f"force_N while apart of {name}", 0.0, np.abs(force[apart - 1]).max(), 0.0, "no contact"
         )
         slips = ends[4] - 1
@@ -125,7 +125,7 @@ class Paths:
         if deviates:
             paper, limit = limit, law.friction * abs(normal_force[slips])
             note = f"{OWN_SLIP_LIMIT}; the paper's law: {paper:.4g} N"
-        sheet.compare(
+        results.compare(
             self.name,
             f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}",
             limit,
@@ -133,7 +133,7 @@ class Paths:
             tolerance,
             note,
         )
-        sheet.curve(
+        results.curve(
             self.name,
             name,
             step=np.arange(1, len(normal) + 1),

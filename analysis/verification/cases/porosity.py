@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from analysis.normalised.porosity import porosity, solid, sphere_points
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 RADIUS = 0.01
 
@@ -18,11 +18,11 @@ class Porosity:
 
     name, title = "porosity", "Porosity in a measurement sphere"
 
-    def judge(self, sheet: Sheet) -> None:
+    def judge(self, results: Results) -> None:
         cells = range(-14, 15)
         cubic = np.array(list(itertools.product(cells, cells, cells)), float) * 2 * RADIUS
         measured, error = self._measure(cubic, 0.134)
-        sheet.compare(
+        results.compare(
             self.name,
             "porosity of a simple cubic lattice",
             1 - math.pi / 6,
@@ -31,7 +31,7 @@ class Porosity:
             f"standard error {error:.4f}; the sphere cuts 13 spheres across",
         )
         measured, error = self._measure(hexagonal(RADIUS, 0.2), 0.134)
-        sheet.compare(
+        results.compare(
             self.name,
             "porosity of a hexagonal close-packed lattice",
             1 - math.pi / math.sqrt(18),
@@ -45,7 +45,7 @@ class Porosity:
             cap = math.pi * (2 * RADIUS - distance) ** 2 * (distance**2 + 4 * distance * RADIUS) / (12 * distance)
             volume = 8 / 3 * math.pi * RADIUS**3 - cap
             measured, error = self._measure(pair, 0.025)
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"porosity around two spheres {share:g} r apart",
                 1 - volume / (4 / 3 * math.pi * 0.025**3),

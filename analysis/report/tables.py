@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from analysis.normalised import tables
-from analysis.report.names import SPHERE_NAMES
+from analysis.report.labels import SPHERE_NAMES
 
 
 @dataclass(frozen=True)

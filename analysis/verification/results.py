@@ -25,7 +25,7 @@ class Row:
     reason: str
 
 
-class Sheet:
+class Results:
     """Collects rows and curves of one code and writes them."""
 
     def __init__(self, code: str):

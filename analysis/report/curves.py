@@ -10,8 +10,8 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.figures.gallery import Curve
-from analysis.report.names import SOURCE_NAMES, reference_name
+from analysis.report.figure import Curve
+from analysis.report.labels import SOURCE_NAMES, reference_name
 from analysis.report.style import PAPER, SOFT, Canvas
 
 

@@ -14,8 +14,8 @@ from analysis.comparison.claims import verdicts
 from analysis.driver import calibrate, status
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
-from analysis.report.figures.gallery import Gallery
-from analysis.report.names import SENSITIVITY, short_name
+from analysis.report.figure import Gallery
+from analysis.report.labels import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
 
@@ -34,7 +34,7 @@ PROFILE_TEXT = {
 
 
 @dataclass
-class Book:
+class ReportData:
     """Everything the pages are made of."""
 
     runs: Runs
@@ -135,9 +135,9 @@ def is_variant(run: Run) -> bool:
     return given or bool(SENSITIVITY.fullmatch(run.scenario_name))
 
 
-def overview_runs(book: Book, profile: str) -> tuple[Runs, str]:
+def overview_runs(data: ReportData, profile: str) -> tuple[Runs, str]:
     """Runs for the overview, and where the others are."""
-    runs = book.of(profile)
+    runs = data.of(profile)
     if len({run.scenario_name for run in runs}) <= 3:
         return runs, ""
     chosen = Runs(

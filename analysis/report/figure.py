@@ -19,7 +19,7 @@ from analysis.comparison import codes
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.names import SENSITIVITY, short_name
+from analysis.report.labels import SENSITIVITY, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
 from analysis.scenarios.scenario import Scenario
 
