@@ -89,9 +89,9 @@ def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
     scenario file.
     """
     cycles, models = int(beds["cycles"].max()), list(dict.fromkeys(beds["scenario"]))
-    codes, seeds = (sorted(set(beds[name])) for name in ("code", "seed"))
+    names, seeds = (sorted(set(beds[name])) for name in ("code", "seed"))
     table = Table(
-        f"Beds tried in {' and '.join(CODE_NAMES.get(code, code) for code in codes)}; the paper's has "
+        f"Beds tried in {' and '.join(CODE_NAMES.get(code, code) for code in names)}; the paper's has "
         f"{calibrate.REPORTED_CLUMPS} clumps at porosity {calibrate.REPORTED_POROSITY}",
         [
             Column("aspect and gap"),
@@ -140,8 +140,8 @@ def plate_laws(data: ReportData) -> list[dict]:
         for base in KEY_SCENARIOS:
             named = re.compile(re.escape(base) + r"(-plates-\w+)?")
             members = [run for run in runs if run.profile == profile and named.fullmatch(run.scenario_name)]
-            codes = {run.code for run in members if run.scenario_name != base}
-            members = [run for run in members if run.code in codes]
+            varied = {run.code for run in members if run.scenario_name != base}
+            members = [run for run in members if run.code in varied]
             if not members:
                 continue
             shared = codes.last_common_cycle(members)
