@@ -93,7 +93,7 @@ def results_of(folder: Path) -> dict[str, bytes]:
 def steps(path: Path, stage: str = "cyclic") -> list[int]:
     """The column `step` of a raw file, of one stage."""
     header, *lines = path.read_text().splitlines()
-    rows = [dict(zip(header.split(","), line.split(","))) for line in lines]
+    rows = [dict(zip(header.split(","), line.split(","), strict=True)) for line in lines]
     return [int(row["step"]) for row in rows if row.get("stage", stage) == stage]
 
 

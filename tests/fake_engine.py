@@ -14,9 +14,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from analysis.normalised import tables
-from analysis.scenarios import derived
-from analysis.scenarios.scenario import Scenario
+from analysis.normalised import tables  # noqa: E402
+from analysis.scenarios import derived  # noqa: E402
+from analysis.scenarios.scenario import Scenario  # noqa: E402
 
 stage, run = sys.argv[1], Path(sys.argv[2])
 checkpoint = Path(sys.argv[3]) if len(sys.argv) > 3 else None

@@ -194,7 +194,7 @@ def _write_stages(folder, bed, porosity) -> None:
         "bed_sha256": hashlib.sha256(bed.to_csv().encode()).hexdigest(),
     }
     moved = {"settlement_m": 4e-4} | {f"lateral_{k}_m": -1e-4 for k in tables.PLATES}
-    porosities = {f"porosity_{k}": value for k, value in zip(tables.SPHERES, porosity)}
+    porosities = {f"porosity_{k}": value for k, value in zip(tables.SPHERES, porosity, strict=True)}
     (folder / "stages.json").write_text(
         json.dumps({"packing": packed, "preload": packed | porosities | moved}, indent=1)
     )

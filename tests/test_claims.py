@@ -110,7 +110,7 @@ def experiment(law=(3e-3, 6e-3, 15, 2e-6), lateral=(5e-3, 5e-3, 5e-3), error=1e-
             **common, curve="experiment", quantity="settlement", sidecar="indraratna2013/settlement.toml"
         )
     ]
-    for cycle, mean in zip((1, 100, 1000), lateral):
+    for cycle, mean in zip((1, 100, 1000), lateral, strict=True):
         profile = pd.DataFrame({"depth_m": DEPTH, "value": mean * SHAPE / SHAPE.mean(), "cycle": float(cycle)})
         tables.append(
             profile.assign(
@@ -179,7 +179,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
         checks = list(CHECKS[claim.id](evidence, watched))
         assert watched.asked == set(claim.thresholds), claim.id
         assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in checks), claim.id
-        assert {r for r in evidence._used} == {r.id for r in everything if r.scenario_name in claim.runs}, claim.id
+        assert set(evidence._used) == {r.id for r in everything if r.scenario_name in claim.runs}, claim.id
 
 
 @pytest.mark.parametrize(

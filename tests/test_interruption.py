@@ -142,7 +142,7 @@ def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, prelo
 
 
 def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
-    """Not bit for bit like one rank: rounding grows, so the first quarter of a cycle is compared, and the record says so."""
+    """Not bit for bit like one rank: rounding grows, so a quarter of a cycle is compared, and the record says so."""
     cycles = 12
     folder, arguments = begin(tmp_path, "linear-mu0.8", "liggghts", cycles)
     process = start(REAL, *arguments, "--ranks", 2)
@@ -160,7 +160,8 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
         pd.read_csv(f / "raw" / "cyclic.csv")["sleeper_displacement_m"].iloc[:16]
         for f in (undisturbed("linear-mu0.8", "liggghts"), folder)
     )
-    # the quarter cycle of rising load: rounding (1e-17 m) has grown to 1e-12 m in it, and reaches what a cycle settles at the peak
+    # The quarter cycle of rising load: rounding (1e-17 m) has grown to 1e-12 m in it, and reaches what a cycle settles
+    # at the peak.
     np.testing.assert_allclose(two, one, rtol=0, atol=1e-9)
     assert np.ptp(one) > 1e-6
 

@@ -71,10 +71,10 @@ def content(folder):
 def test_cycles_have_the_known_values(engine_output):
     folder = engine_output[1]
     s, table = scenario_of(folder), pd.read_csv(folder / "cycles.csv")
-    assert list(table) == (
+    assert ",".join(table) == (
         "cycle,time_s,settlement_m,settlement_peak_m,lateral_1_m,lateral_2_m,lateral_3_m,lateral_4_m,lateral_5_m,"
         "porosity_1,porosity_2,porosity_3,sleeper_stress_min_Pa,sleeper_stress_max_Pa,tracking_rms_Pa,clumps"
-    ).split(",")
+    )
     n = np.arange(1, CYCLES + 1)
     minimum = settlement(DEFAULT_LAW, n)
     assert list(table["cycle"]) == list(n)

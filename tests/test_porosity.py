@@ -18,7 +18,7 @@ def cubic_lattice(radius, low, high):
     """Touching spheres on a simple cubic lattice that fills the box and its surroundings."""
     axes = [
         np.arange(math.floor(a / (2 * radius)) - 1, math.ceil(b / (2 * radius)) + 2) * 2 * radius
-        for a, b in zip(low, high)
+        for a, b in zip(low, high, strict=True)
     ]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
@@ -101,7 +101,7 @@ def test_error_is_an_upper_bound_of_the_scatter():
     points = porosity.sphere_points((0.5, 0.5, 0.5), 0.4, (0, 0, 0), (1, 1, 1), 20_000)
     rotations = [np.linalg.qr(generator.standard_normal((3, 3)))[0] for _ in range(20)]
     values, errors = zip(
-        *[porosity.porosity(porosity.solid((points - 0.5) @ q + 0.5, centres, radius)) for q in rotations]
+        *[porosity.porosity(porosity.solid((points - 0.5) @ q + 0.5, centres, radius)) for q in rotations], strict=True
     )
     assert np.std(values) < np.mean(errors)
 
@@ -121,7 +121,7 @@ def test_inside_of_sleeper_and_plates_is_not_void():
     below = below[below[:, 2] < 0.22]  # nothing above: void up to the sleeper
     high, _ = spheres.measure(below)
     low, _ = spheres.measure(below, sleeper_down_m=0.325 - 0.22 + 0.0325)
-    assert all(b < a - 0.02 for a, b in zip(high, low))
+    assert all(b < a - 0.02 for a, b in zip(high, low, strict=True))
     moved, _ = spheres.measure(below, plates_out_m=[-0.1] * 5)
     assert moved[:2] == high[:2] and moved[2] != high[2]
 

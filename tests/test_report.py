@@ -220,7 +220,7 @@ def test_every_parameter_is_listed_with_its_status(site):
     page = site[2]["assumptions.html"]
     for key, parameter in load_scenario("linear-mu0.8").parameters.items():
         assert re.search(rf'<tr data-status="\w+"><th scope="row"><code>{re.escape(key)}</code>', page.text), key
-    assert parameter.source.split(";")[0][:30] in page.says
+        assert parameter.source.split(";")[0][:30] in page.says
 
 
 def test_hovering_shows_the_runs_own_numbers(site):

@@ -35,8 +35,8 @@ def build(box, material: str, mask: int) -> Apparatus:
         ]
     )
     for block in (box.sleeper, *box.plates, box.fixed_wall):
-        centre = [(low + high) / 2 for low, high in zip(block.low, block.high)]
-        half = [(high - low) / 2 for low, high in zip(block.low, block.high)]
+        centre = [(low + high) / 2 for low, high in zip(block.low, block.high, strict=True)]
+        half = [(high - low) / 2 for low, high in zip(block.low, block.high, strict=True)]
         O.bodies.append(utils.box(centre, half, fixed=True, **utilities))
     for body in O.bodies:
         body.state.mass = 0.0  # the dashpot of a wall contact knows the clump's mass only

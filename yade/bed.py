@@ -76,7 +76,7 @@ class Bed:
     def remove_outside(self, box) -> int:
         """Delete the clumps whose centre is outside the box; return how many."""
         keep = []
-        for body, number in zip(self._bodies, self.numbers):
+        for body, number in zip(self._bodies, self.numbers, strict=True):
             x, y, z = body.state.pos
             if 0 <= x <= box.length_m and 0 <= y <= box.width_m and 0 <= z <= box.height_m:
                 keep.append(number)
@@ -104,14 +104,14 @@ class Bed:
     def number_of_bodies(self) -> np.ndarray:
         """Clump number of every YADE body, 0 for walls."""
         numbers = np.zeros(len(O.bodies), dtype=int)
-        for number, members in zip(self.numbers, self._members):
+        for number, members in zip(self.numbers, self._members, strict=True):
             numbers[members] = number
         return numbers
 
     def write(self, path: Path) -> None:
         """Write the common bed file."""
         lines = [HEADER]
-        for number, state in zip(self.numbers, self._states):
+        for number, state in zip(self.numbers, self._states, strict=True):
             q = state.ori * state.refOri
             lines.append(f"{number}," + ",".join(repr(float(v)) for v in (*state.pos, q[3], q[0], q[1], q[2])))
         write_aside(path, "\n".join(lines) + "\n")

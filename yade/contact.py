@@ -41,7 +41,7 @@ O = Omega()
 VERLET_DISTANCE = 0.0004
 """By how much the collider enlarges the spheres, m; 0.2-0.5 mm is fastest."""
 SAME_REACH = -1
-"""targetInterv: with a reach fitted to each sphere the collider runs at every other step once a checkpoint was loaded."""
+"""targetInterv: with a reach fitted to each sphere the collider runs every other step once a checkpoint was loaded."""
 MEETS_PARTICLES, MEETS_WALLS, IS_WALL = 1, 2, 4
 
 

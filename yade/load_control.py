@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from collections import deque
 
-import __main__
 from yade.wrapper import Omega, PyRunner
 
+import __main__
 from analysis.scenarios import derived
 from apparatus import Apparatus
 
@@ -61,7 +61,7 @@ class LoadControl:
         self.sleeper = Wall(scenario, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
         self.plates = [
             Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
-            for body, block in zip(ids.plates, box.plates)
+            for body, block in zip(ids.plates, box.plates, strict=True)
         ]
         self.walls = [self.sleeper, *self.plates]
         self.n, self.count, self.error, self.rows = 0, 0, 0.0, []
@@ -69,7 +69,7 @@ class LoadControl:
         self.hold()
         if memory:
             self.n = memory["n"]
-            for wall, contacts in zip(self.walls, memory["contacts"]):
+            for wall, contacts in zip(self.walls, memory["contacts"], strict=True):
                 wall.contacts = contacts
         __main__.load_control_step = self.step  # where PyRunner looks names up
 
@@ -175,7 +175,7 @@ class LoadControl:
 
     def mean_stresses(self) -> list[float]:
         """Means over the last preload.averaging_time of sleeper and plates, Pa."""
-        return [sum(column) / len(self.recent) for column in zip(*self.recent)]
+        return [sum(column) / len(self.recent) for column in zip(*self.recent, strict=True)]
 
     def targets_met(self) -> bool:
         """True where these means are within preload.stress_tolerance of the full preload; fixed walls are not asked."""
@@ -183,6 +183,6 @@ class LoadControl:
         full = [s["preload.sleeper_stress"]] + [s["preload.plate_stress"]] * len(self.plates)
         return len(self.recent) == self.recent.maxlen and all(
             abs(mean - target) <= s["preload.stress_tolerance"] * target
-            for wall, mean, target in zip(self.walls, self.mean_stresses(), full)
+            for wall, mean, target in zip(self.walls, self.mean_stresses(), full, strict=True)
             if wall in self.moving
         )

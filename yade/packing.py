@@ -9,8 +9,9 @@ import math
 import sys
 from pathlib import Path
 
-import __main__
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner
+
+import __main__
 
 ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]

@@ -14,11 +14,12 @@ import sys
 import traceback
 from pathlib import Path
 
-import __main__
 import numpy as np
 from yade import utils
 from yade.minieigenHP import Vector3
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
+
+import __main__
 
 ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
@@ -55,7 +56,7 @@ def set_motion(body: int, velocity, spin) -> None:
     state.vel, state.angVel = Vector3(*velocity), Vector3(*spin)
     turn = state.ori.toRotationMatrix()
     own = turn.transpose() * Vector3(*spin)
-    state.angMom = turn * Vector3(*(moment * speed for moment, speed in zip(state.inertia, own)))
+    state.angMom = turn * Vector3(*(moment * speed for moment, speed in zip(state.inertia, own, strict=True)))
 
 
 def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list[int]]:
@@ -73,7 +74,7 @@ def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list
     Bed(scenario).place(path, shells)
     ends = []
     bodies = [body for body in O.bodies if body.isClump]
-    for body, clump in zip(bodies, clumps):
+    for body, clump in zip(bodies, clumps, strict=True):
         set_motion(body.id, clump["velocity"], clump["spin"])
         members = sorted(body.shape.members)
         ends += [members[0::2], members[1::2]]

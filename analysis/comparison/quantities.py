@@ -5,6 +5,7 @@ Functions take a `readers.Run` (or anything with its attributes). SI units; nan 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -191,7 +192,7 @@ def porosity_order(porosities, error: float = 0.0) -> str:
         return ""
     order = np.argsort(porosities, kind="stable")
     text = str(order[0] + 1)
-    for one, other in zip(order[:-1], order[1:]):
+    for one, other in itertools.pairwise(order):
         text += (" ~ " if porosities[other] - porosities[one] <= 2 * math.sqrt(2) * error else " < ") + str(other + 1)
     return text
 

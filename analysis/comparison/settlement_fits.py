@@ -218,7 +218,7 @@ class _Problem:
             below.append(linear - reach)
             above.append(linear + reach)
         names = [p for p in self.rule.parameters if p != self.rule.inner]
-        ranges = dict(zip(names, zip(np.min(below, axis=0), np.max(above, axis=0))))
+        ranges = dict(zip(names, zip(np.min(below, axis=0), np.max(above, axis=0), strict=True), strict=True))
         if self.rule.inner:
             ranges[self.rule.inner] = (self.rule.unscale(low), self.rule.unscale(high))
         return ranges
@@ -230,7 +230,7 @@ def _describe(problem: _Problem, x: float, unit: float, scatter: str, level: flo
     unknowns = len(rule.parameters)
     variance = total / (count - unknowns)
     ranges = problem.intervals(x, total + student.ppf(0.5 + level / 2, count - unknowns) ** 2 * variance)
-    values = dict(zip((p for p in rule.parameters if p != rule.inner), linear))
+    values = dict(zip((p for p in rule.parameters if p != rule.inner), linear, strict=True))
     if rule.inner:
         values[rule.inner] = rule.unscale(x)
     sized = {p: 1.0 if p == rule.inner else unit for p in sorted(values)}

@@ -63,27 +63,22 @@ def measure(
         raise SystemExit(1)
     body, last = record.read(folder), last_rows(folder / "raw" / "state.csv")["cyclic"]
     steps, speed = body["steps"]["cyclic"], body["timing"]["steps_per_second"]["cyclic"]
-    return dict(
-        zip(
-            COLUMNS,
-            (
-                profile,
-                name,
-                code,
-                body["versions"]["engine"],
-                ranks,
-                body["clumps"],
-                int(float(last["contacts"])),
-                steps,
-                body["timing"]["wall_s"]["cyclic"],
-                speed,
-                None,
-                round(1000 * steps / cycles / speed / 3600, 2),
-                cpu(),
-                f"{load:.1f}",
-            ),
-        )
-    )
+    return {
+        "profile": profile,
+        "scenario": name,
+        "code": code,
+        "version": body["versions"]["engine"],
+        "ranks": ranks,
+        "clumps": body["clumps"],
+        "contacts": int(float(last["contacts"])),
+        "steps": steps,
+        "wall_s": body["timing"]["wall_s"]["cyclic"],
+        "steps_per_second": speed,
+        "ratio_to_yade": None,
+        "hours_per_1000_cycles": round(1000 * steps / cycles / speed / 3600, 2),
+        "cpu": cpu(),
+        "load_average": f"{load:.1f}",
+    }
 
 
 def cpu() -> str:

@@ -124,7 +124,13 @@ def _meshes(scenario: Scenario) -> dict[str, derived.Block]:
 
 def _box_stl(name: str, block: derived.Block) -> str:
     """The six faces of a box as twelve triangles in ASCII STL."""
-    corner = dict(zip(itertools.product((0, 1), repeat=3), itertools.product(*zip(block.low, block.high))))
+    corner = dict(
+        zip(
+            itertools.product((0, 1), repeat=3),
+            itertools.product(*zip(block.low, block.high, strict=True)),
+            strict=True,
+        )
+    )
     lines = [f"solid {name}"]
     for axis, side in itertools.product(range(3), (0, 1)):
         first, second = (a for a in range(3) if a != axis)

@@ -24,7 +24,11 @@ def keep_rows(path: Path, wanted: Callable[[Row], bool]) -> None:
         new.write(header)
         for line in old:
             values = line.rstrip("\n").split(",")
-            if line.endswith("\n") and len(values) == len(columns) and _is(wanted, dict(zip(columns, values))):
+            if (
+                line.endswith("\n")
+                and len(values) == len(columns)
+                and _is(wanted, dict(zip(columns, values, strict=True)))
+            ):
                 new.write(line)
     if header.endswith("\n"):
         partial.replace(path)

@@ -7,6 +7,7 @@ preload from a good checkpoint, cyclic loading from cycles.csv and the bed of it
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import functools
 import math
@@ -31,7 +32,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 
 FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
-# Packing reads none of these. The frequency and the rows and blocks of a cycle are not among them: they make its time grid.
+# Packing reads none of these. It reads frequency, rows and blocks of a cycle, which make its time grid.
 AFTER_PACKING = (
     *FREE_KEYS,
     "load_control.",
@@ -179,10 +180,8 @@ class Run:
 
     def _note_failure(self, reason: str) -> None:
         self._drop_partial_files()
-        try:
+        with contextlib.suppress(OSError):  # a full disk: what is left says `running`, and status sees that nobody does
             self._save(state="failed", reason=reason, end=record.now())
-        except OSError:
-            pass  # the disk is full: what is left says `running`, and status sees that nobody does
 
     def disk_full(self) -> str:
         """One line for a full disk."""
@@ -347,7 +346,10 @@ class Run:
         for line, pose in enumerate(poses, start=2):
             if len(pose) != len(tables.BED) or not math.isclose(math.hypot(*pose[4:]), 1, abs_tol=1e-6):
                 raise refuse(f"line {line} is not a pose; it needs {columns} with a unit quaternion")
-            if not all(0 <= value <= top for value, top in zip(pose[1:4], (box.length_m, box.width_m, box.height_m))):
+            if not all(
+                0 <= value <= top
+                for value, top in zip(pose[1:4], (box.length_m, box.width_m, box.height_m), strict=True)
+            ):
                 raise refuse(
                     f"line {line} lies outside the box of {box.length_m:g} x {box.width_m:g} x {box.height_m:g} m; "
                     "take a bed of the same profile and geometry"

@@ -67,25 +67,20 @@ def row(folder: Path) -> dict[str, str]:
     left = ""
     if state == "running" and stage == "cyclic" and speed:
         left = duration((total * derived.time_grid(scenario).steps_per_cycle - body["steps"].get(stage, 0)) / speed)
-    return dict(
-        zip(
-            COLUMNS,
-            (
-                body["profile"],
-                body["scenario"],
-                body["code"],
-                str(body["seed"]),
-                stage,
-                f"{done}/{total}",
-                f"{speed:.0f}" if speed else "",
-                left,
-                _tracking(folder, scenario),
-                str(body["clumps"] or ""),
-                state,
-                reason,
-            ),
-        )
-    )
+    return {
+        "profile": body["profile"],
+        "scenario": body["scenario"],
+        "code": body["code"],
+        "seed": str(body["seed"]),
+        "stage": stage,
+        "cycle": f"{done}/{total}",
+        "steps/s": f"{speed:.0f}" if speed else "",
+        "time left": left,
+        "tracking %": _tracking(folder, scenario),
+        "clumps": str(body["clumps"] or ""),
+        "state": state,
+        "reason": reason,
+    }
 
 
 def _tracking(folder: Path, scenario: Scenario) -> str:

@@ -53,7 +53,7 @@ def wall_overlaps(
     """Overlaps (m) with floor, planes, sleeper, plates and fixed wall where these stand now, one entry per contact."""
     gaps = [centres[:, 2], centres[:, 0], centres[:, 1], box.width_m - centres[:, 1]]
     blocks = [(box.sleeper, (0, 0, -sleeper_down_m)), (box.fixed_wall, (0, 0, 0))]
-    blocks += [(plate, (out, 0, 0)) for plate, out in zip(box.plates, plates_out_m)]
+    blocks += [(plate, (out, 0, 0)) for plate, out in zip(box.plates, plates_out_m, strict=True)]
     for block, moved in blocks:
         low, high = np.array(block.low) + moved, np.array(block.high) + moved
         gaps.append(np.sqrt(np.sum((centres - np.clip(centres, low, high)) ** 2, axis=1)))

@@ -50,7 +50,7 @@ class Normaliser:
     # ------------------------------------------------------------------ what the driver calls
 
     def before(self) -> None:
-        """Write bed_before.csv, stages.json, row 0 of microstructure.csv; start the tables anew if the bed is another."""
+        """Write bed_before.csv, stages.json, row 0 of microstructure.csv; start the tables anew if the bed changed."""
         self._begin(tables.EVERYTHING)
 
     def ready(self, n: int) -> bool:
@@ -87,27 +87,22 @@ class Normaliser:
             self._state_row(n),
         )
         mean_stress = [row["sleeper_stress_mean_Pa"] for row in rows]
-        row = dict(
-            zip(
-                tables.CYCLES,
-                (
-                    n,
-                    end["time_s"],
-                    end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-                    rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-                    *lateral,
-                    *structure[1:4],
-                    min(mean_stress),
-                    max(mean_stress),
-                    math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
-                    len(bed),
-                ),
-            )
-        )
+        row = {
+            "cycle": n,
+            "time_s": end["time_s"],
+            "settlement_m": end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+            "settlement_peak_m": rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
+            **{f"lateral_{k}_m": value for k, value in zip(tables.PLATES, lateral, strict=True)},
+            **{f"porosity_{k}": value for k, value in zip(tables.SPHERES, structure[1:4], strict=True)},
+            "sleeper_stress_min_Pa": min(mean_stress),
+            "sleeper_stress_max_Pa": max(mean_stress),
+            "tracking_rms_Pa": math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
+            "clumps": len(bed),
+        }
 
         self._append_history([n])
         self._microstructure.append([structure])
-        self._cycles.append([list(row.values())])
+        self._cycles.append([[row[name] for name in tables.CYCLES]])
         self._done = n
         self._loading.drop_until(n * self._grid.steps_per_cycle, but=0)
         self._state.drop_until(n * self._grid.steps_per_cycle)
@@ -161,7 +156,10 @@ class Normaliser:
         if without_stages or without_start:
             sleeper_down, plates_out = self._preloaded_places()
         if without_stages:
-            moved = {"settlement_m": sleeper_down, **{f"lateral_{k}_m": v for k, v in zip(tables.PLATES, plates_out)}}
+            moved = {
+                "settlement_m": sleeper_down,
+                **{f"lateral_{k}_m": v for k, v in zip(tables.PLATES, plates_out, strict=True)},
+            }
             stages.write_stages(self.folder, self.scenario, moved, self._measurement_spheres())
         if without_start:
             self._microstructure.append(
@@ -274,7 +272,7 @@ class Normaliser:
         porosities, error = self._measurement_spheres().measure(centres, sleeper_down, plates_out)
         values = {
             "cycle": n,
-            **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities)},
+            **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities, strict=True)},
             "porosity_error": error,
             "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
             **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),

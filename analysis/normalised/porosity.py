@@ -71,14 +71,16 @@ class MeasurementSpheres:
             for c in self._box.measurement_centres_m
         ]
 
-    def measure(self, centres: np.ndarray, sleeper_down_m: float = 0.0, plates_out_m=()) -> tuple[list[float], float]:
+    def measure(
+        self, centres: np.ndarray, sleeper_down_m: float = 0.0, plates_out_m=(0.0,) * 5
+    ) -> tuple[list[float], float]:
         """Porosities of spheres 1 to 3 and the largest of their standard errors.
 
         centres   of all spheres of the bed, shape (n, 3), m
         sleeper_down_m, plates_out_m   where sleeper and plates stand: their inside is not measured
         """
         values, errors = [], []
-        for centre, tree in zip(self._box.measurement_centres_m, self._trees):
+        for centre, tree in zip(self._box.measurement_centres_m, self._trees, strict=True):
             reach = self._box.measurement_radius_m + self._clump_radius
             near = centres[np.sum((centres - np.array(centre)) ** 2, axis=1) <= reach**2]
             inside = solid(tree, near, self._clump_radius)
@@ -91,7 +93,7 @@ class MeasurementSpheres:
         """True for points inside the sleeper or behind a plate's face."""
         low, high = self._box.sleeper.low, self._box.sleeper.high
         hidden = (points[:, 2] > low[2] - sleeper_down_m) & (points[:, 1] > low[1]) & (points[:, 1] < high[1])
-        for plate, out in zip(self._box.plates, plates_out_m):
+        for plate, out in zip(self._box.plates, plates_out_m, strict=True):
             if out < 0:
                 hidden |= (
                     (points[:, 0] > plate.low[0] + out) & (points[:, 2] > plate.low[2]) & (points[:, 2] < plate.high[2])

@@ -137,7 +137,7 @@ class Run:
     @property
     def identity(self) -> dict[str, str | int]:
         """Profile, scenario, code and seed, as in the first columns of the tidy frames."""
-        return dict(zip(IDENTITY, (self.profile, self.scenario_name, self.code, self.seed)))
+        return dict(zip(IDENTITY, (self.profile, self.scenario_name, self.code, self.seed), strict=True))
 
     def read(self) -> None:
         """Read what is small now, so that its problems are known at once."""

@@ -56,7 +56,7 @@ def bed_measures(
     porosities, _ = spheres.measure(centres, *at)
     return {
         "clumps": len(bed),
-        **{f"porosity_{n}": float(value) for n, value in zip(tables.SPHERES, porosities)},
+        **{f"porosity_{n}": float(value) for n, value in zip(tables.SPHERES, porosities, strict=True)},
         "porosity_mean": float(sum(porosities) / len(porosities)),
         **microstructure.contact_measures(centres, clump.radius_m, derived.apparatus(scenario), *at),
     }

@@ -110,7 +110,7 @@ def build(
 
 
 def without_copies(variants: Iterable[Run]) -> Runs:
-    """The longest of runs that differ in nothing a comparison asks for, such as a run and its copy in the repository."""
+    """The longest of runs that differ in nothing a comparison asks for, such as a run and its committed copy."""
     best: dict[tuple, Run] = {}
     for run in variants:
         step = run.scenario["time.step"] if run.scenario else None

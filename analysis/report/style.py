@@ -193,7 +193,7 @@ def end_labels(c: Canvas, size: float = 8.0) -> None:
     wanted = ends[:, 1] * height
     order = np.argsort(wanted, kind="stable")
     placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
-    for position, n in zip(placed, order):
+    for position, n in zip(placed, order, strict=True):
         _, _, text, colour = c.labels[n]
         axes.annotate(
             text,

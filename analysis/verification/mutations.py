@@ -139,7 +139,8 @@ MUTATIONS = (
             (
                 "normal_model_ballast_hysteretic.h",
                 "static_cast<double>(update->ntimestep))) return history[impact_speed_];",
-                "static_cast<double>(update->ntimestep)) && history[impact_speed_] < 0.0) return history[impact_speed_];",
+                "static_cast<double>(update->ntimestep)) && history[impact_speed_] < 0.0)"
+                " return history[impact_speed_];",
             ),
         ),
     ),

@@ -246,7 +246,7 @@ class _Contacts:
             while filled < len(times) and times[filled] <= t + 1e-15 * span:
                 y = found.sol(min(times[filled], t))
                 states[filled] = y[: len(start)]
-                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[len(start) :])]
+                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[len(start) :], strict=True)]
                 filled += 1
             state = found.y[:, -1].copy()
             if filled == len(times):
@@ -268,9 +268,9 @@ class _Contacts:
         overlap, closing, sliding = kinematics(t, state)[k]
         law = self.laws[k]
         tiny = max(overlap, 1e-12)
-        if state[n + k] == 0.0 and overlap <= 1e-12:
-            if law.shear_slope(tiny) * abs(sliding) > law.friction * law.elastic_slope(tiny) * abs(closing):
-                return "slip+" if sliding < 0 else "slip-"
+        closes = state[n + k] == 0.0 and overlap <= 1e-12
+        if closes and law.shear_slope(tiny) * abs(sliding) > law.friction * law.elastic_slope(tiny) * abs(closing):
+            return "slip+" if sliding < 0 else "slip-"
         return "stick"
 
     def _rates(self, t, y, modes, kinematics, motion, n):
@@ -325,7 +325,7 @@ class _Contacts:
         return events
 
     def _fired(self, found, events):
-        fired = [(e[0], event) for e, event in zip(found.t_events, events) if len(e)]
+        fired = [(e[0], event) for e, event in zip(found.t_events, events, strict=True) if len(e)]
         if found.status != 1 or not fired:
             raise RuntimeError(f"oracle: integration stopped: {found.message}")
         _, event = min(fired, key=lambda pair: pair[0])
@@ -359,7 +359,9 @@ class Body:
 
     def acceleration(self, state, forces, gravity: float) -> np.ndarray:
         """(a_x, a_z, angular acceleration) under [(normal, shear), ...]; the shear force acts along +x on the body."""
-        torque = sum(arm * shear - dx * normal for (_, dx, arm), (normal, shear) in zip(self.levers(state), forces))
+        torque = sum(
+            arm * shear - dx * normal for (_, dx, arm), (normal, shear) in zip(self.levers(state), forces, strict=True)
+        )
         return np.array(
             [
                 sum(shear for _, shear in forces) / self.mass,
@@ -406,7 +408,7 @@ def bounce_in_steps(
     states = [state.copy()]
     for n in range(1, steps + 1):
         forces = []
-        for k, (law, (overlap, closing, sliding)) in enumerate(zip(contact_laws, body.kinematics(state))):
+        for k, (law, (overlap, closing, sliding)) in enumerate(zip(contact_laws, body.kinematics(state), strict=True)):
             if overlap <= 0:
                 shears[k], before[k] = 0.0, overlap
                 forces.append((0.0, 0.0))

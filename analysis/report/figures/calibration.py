@@ -20,10 +20,10 @@ def calibration_figure(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, floa
     return g.finish(
         "calibration",
         "Calibration of the packing",
-        "Left: clumps and mean porosity of the packed beds, each named by the aspect of its clumps, or by the gap of its "
-        "lattice where that is not the chosen one; the filled one was chosen. Right: settlement of beds of the chosen gap "
-        f"after {beds['cycles'].max():.0f} cycles. The choice was made for count and porosity, which are no evidence any "
-        "more, and for a bed that is not jammed; how far it then settles was not tuned.",
+        "Left: clumps and mean porosity of the packed beds, each named by the aspect of its clumps, or by the gap of "
+        "its lattice where that is not the chosen one; the filled one was chosen. Right: settlement of beds of the "
+        f"chosen gap after {beds['cycles'].max():.0f} cycles. The choice was made for count and porosity, which are no "
+        "evidence any more, and for a bed that is not jammed; how far it then settles was not tuned.",
         [_packed(g, beds, chosen), _settled(g, beds, chosen)],
         [],
     )

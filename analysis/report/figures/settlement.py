@@ -78,7 +78,7 @@ def shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption
         first = table["value"].get(1, np.nan)
         if not first > 0:
             continue
-        draw(c, curve, pd.DataFrame({n: table["value"] / first for n in ("value", "low", "high")}), 1.0)
+        draw(c, curve, pd.DataFrame(dict.fromkeys(("value", "low", "high"), table["value"] / first)), 1.0)
         frames.append(pd.DataFrame({"cycle": table.index, "shape": table["value"] / first, "curve": curve.main.id}))
     cycles = np.geomspace(1, max(last, 2), 60)
     for law in settlement_laws():

@@ -84,8 +84,8 @@ def agreement_table(data: ReportData, profile: str, shown: Sequence[str] = AGREE
     table.note = (
         "Means over seeds; difference and ratio are LIGGGHTS against YADE. Within seeds: zero is within the 95 % "
         "confidence interval of the difference (Student's t, from the scatter between packing seeds; wide where seeds "
-        "are few). With one seed in each code that scatter is unknown and a difference proves nothing. The nonlinear bed "
-        "is soft: at the paper's shear modulus the Hertz contacts yield so much that the stroke is millimetres."
+        "are few). With one seed in each code that scatter is unknown and a difference proves nothing. The nonlinear "
+        "bed is soft: at the paper's shear modulus the Hertz contacts yield so much that the stroke is millimetres."
     )
     return table
 
@@ -222,7 +222,7 @@ def seed_table(data: ReportData, profile: str) -> Table | None:
                 [
                     f"{short_name(scenario)}, {CODE_NAMES.get(code, code)}: mean ± standard deviation of "
                     f"{len(values)} seeds",
-                    *(f"{number(m, 4)} ± {number(d, 2)}" for m, d in zip(mean, spread)),
+                    *(f"{number(m, 4)} ± {number(d, 2)}" for m, d in zip(mean, spread, strict=True)),
                 ]
             )
     table.note = (
@@ -272,9 +272,10 @@ def rates_table(data: ReportData, profile: str) -> Table | None:
             ]
         )
     table.note = (
-        "Plates: mean of the five, outward. Heave: mean of the clumps that began beside the sleeper. The trend compares "
-        "the last span with the one before: below 0.8 of its rate is slowing (a logarithm has 0.4 to 0.5), above 1.25 growing. "
-        "Peak acceleration: half the resilient stroke times (2π f)², in the last cycle; above 1 g the cribs are thrown."
+        "Plates: mean of the five, outward. Heave: mean of the clumps that began beside the sleeper. The trend "
+        "compares the last span with the one before: below 0.8 of its rate is slowing (a logarithm has 0.4 to 0.5), "
+        "above 1.25 growing. Peak acceleration: half the resilient stroke times (2π f)², in the last cycle; above 1 g "
+        "the cribs are thrown."
     )
     return table
 

@@ -174,7 +174,8 @@ def known(data: ReportData, verdicts: Sequence) -> list[str]:
         if count:
             total = len({v.claim.number for v in verdicts})
             lines.append(
-                f"{count} of the paper's {total} claims {one if count == 1 else more}: {claim_numbers(verdicts, verdict)}."
+                f"{count} of the paper's {total} claims {one if count == 1 else more}: "
+                f"{claim_numbers(verdicts, verdict)}."
             )
     return lines
 
@@ -186,7 +187,8 @@ def in_hand(data: ReportData) -> list[str]:
     if sources.empty:
         return []
     whose = "; ".join(
-        f"{plural(int(r.digitised), 'curve')} of {r.sidecar} ({SOURCE_NAMES.get(r.source, r.source)}), by {r.digitised_by}"
+        f"{plural(int(r.digitised), 'curve')} of {r.sidecar} ({SOURCE_NAMES.get(r.source, r.source)}), "
+        f"by {r.digitised_by}"
         for r in sources.itertuples()
     )
     lines = [f"Reference curves in hand: {whose}."]

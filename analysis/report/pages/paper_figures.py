@@ -353,7 +353,8 @@ def lateral_scores(data: ReportData, profile: str) -> Table | None:
     for r in rows.itertuples():
         table.rows.append(
             [
-                f"{short_name(r.scenario)}, {CODE_NAMES.get(r.code, r.code)}{f', seed {r.seed}' if r.seed != 1 else ''}",
+                f"{short_name(r.scenario)}, {CODE_NAMES.get(r.code, r.code)}"
+                + (f", seed {r.seed}" if r.seed != 1 else ""),
                 f"{SOURCE_NAMES.get(r.source, r.source)}: {r.curve}",
                 str(r.cycle),
                 number(r.rms_m, 3, MM),

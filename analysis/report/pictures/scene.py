@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -120,10 +121,9 @@ def _places(folder: Path, cycle: int | None) -> tuple[float, list[float]]:
         return 0.0, [0.0] * len(tables.PLATES)
     columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
     moved = np.zeros(len(columns))
-    try:
+    # Committed runs have no raw files: their preload displacement is not drawn.
+    with contextlib.suppress(OSError, ValueError, IndexError):
         moved = moved + pd.read_csv(folder / "raw" / "cyclic.csv", usecols=columns, nrows=1)[columns].to_numpy(float)[0]
-    except (OSError, ValueError, IndexError):
-        pass  # committed runs have no raw files: their preload displacement is not drawn
     done = _cycles(folder)
     if cycle in done.index:
         moved = moved + np.nan_to_num(done.loc[cycle].to_numpy(float))

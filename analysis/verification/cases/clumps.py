@@ -219,7 +219,7 @@ class Bounces:
             measured = (motion.velocity[-1, 0, 0], motion.velocity[-1, 0, 2], motion.spin[-1, 0, 1])
             scales = (speed, speed, speed / h)
             for quantity, expected, value, scale in zip(
-                ("velocity_x_m_s", "velocity_z_m_s", "spin_rad_s"), states[-1][3:], measured, scales
+                ("velocity_x_m_s", "velocity_z_m_s", "spin_rad_s"), states[-1][3:], measured, scales, strict=True
             ):
                 results.compare(self.name, f"{quantity} of {name}", expected, value, 0.005, reason, scale=scale)
             if name.startswith("upright"):

@@ -201,7 +201,7 @@ def _harmonic(time: np.ndarray, values: np.ndarray, frequency: float) -> complex
 def _columns(path: Path) -> dict[str, np.ndarray]:
     with open(path, newline="") as file:
         header, *rows = list(csv.reader(file))
-    return dict(zip(header, np.array(rows, float).T))
+    return dict(zip(header, np.array(rows, float).T, strict=True))
 
 
 CASES = (LoadedColumn,)
