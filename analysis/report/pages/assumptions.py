@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import quantities
+from analysis.comparison import codes, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.same_bed import changed_keys, ranks
 from analysis.driver import calibrate
