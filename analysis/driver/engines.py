@@ -90,11 +90,12 @@ def liggghts_parameters(scenario: Scenario, seed: int) -> str:
         "steps_per_cycle": grid.steps_per_cycle,
         "steps_per_row": grid.steps_per_row,
         "steps_per_block": grid.steps_per_block,
+        "load_control_pfc_time_step": derived.pfc_time_step(scenario),
         "cycles": scenario["loading.cycles"],
         "seed": seed,
     }
     values |= {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
-    lines = [f"# {scenario.name}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
+    lines = [f"# {scenario.id}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
     for name, value in values.items():
         if isinstance(value, list):
             lines.append(f"variable {name}_count index {len(value)}")

@@ -31,22 +31,12 @@ from analysis.normalised import tables
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 
-FREE_KEYS = ("loading.cycles", "limits.")  # may change while a run is under way
-# Packing reads none of these. It reads frequency, rows and blocks of a cycle, which make its time grid.
-AFTER_PACKING = (
-    *FREE_KEYS,
-    "load_control.",
-    "preload.",
-    "loading.stress_",
-    "output.checkpoint_cycles",
-    "output.keep_beds",
-)
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
 
 
 def run_folder(results: Path, profile: str, scenario: str, code: str, seed: int) -> Path:
-    """Folder of a run; the default seed 1 is not in its name."""
+    """Folder of a run of a scenario, given by its id (variants included); the default seed 1 is not in its name."""
     return results / profile / scenario / (code if seed == 1 else f"{code}-seed{seed}")
 
 
@@ -57,13 +47,6 @@ def cycles_done(folder: Path) -> int:
             return max((int(row["cycle"]) for row in csv.DictReader(file)), default=0)
     except FileNotFoundError:
         return 0
-
-
-def _differences(old: Scenario, new: Scenario, counts: Callable[[str], bool]) -> list[str]:
-    """Lines `key: old -> new` for the keys that count; `none` stands for a key that one of them does not have."""
-    keys = dict.fromkeys((*old.parameters, *new.parameters))
-    values = {key: [s.parameters[key].value if key in s.parameters else "none" for s in (old, new)] for key in keys}
-    return [f"{key}: {a} -> {b}" for key, (a, b) in values.items() if counts(key) and a != b]
 
 
 def cycles_asked(folder: Path) -> int:
@@ -80,10 +63,10 @@ class Run:
     def __init__(self, scenario: Scenario, options: argparse.Namespace, stop: StopRequest):
         self.scenario, self.options, self.stop, self.code = scenario, options, stop, options.code
         self.grid, self.cycles = derived.time_grid(scenario), scenario["loading.cycles"]
-        self.folder = run_folder(options.results, scenario.profile, scenario.name, self.code, options.seed)
+        self.folder = run_folder(options.results, scenario.profile, scenario.id, self.code, options.seed)
         self.raw, self.kept = self.folder / "raw", self.folder / "checkpoints"
         self.bed_file = self.raw / "bed_packed.csv"
-        self.title = f"{scenario.name} {self.code} {scenario.profile}" + (
+        self.title = f"{scenario.id} {self.code} {scenario.profile}" + (
             f" seed {options.seed}" if options.seed != 1 else ""
         )
         self.progress = Progress(self.title, options.progress == "lines")
@@ -206,6 +189,7 @@ class Run:
         states = last_rows(self.raw / "state.csv")
         self.record = {
             "scenario": self.scenario.name,
+            "variant": "+".join(self.scenario.variants),
             "profile": self.scenario.profile,
             "code": self.code,
             "scenario_hash": self.scenario.hash,
@@ -261,8 +245,7 @@ class Run:
         except (OSError, ValueError, KeyError, TypeError):
             raise RunError(f"{self.folder}/scenario.json: cannot be read; {self._start_over()}") from None
         loaded = any(self.kept.glob("cyclic_*")) or (self.folder / "cycles.csv").exists()
-        free = FREE_KEYS if loaded else AFTER_PACKING
-        changes = _differences(stored, self.scenario, lambda key: not key.startswith(free))
+        changes = stored.changes(self.scenario, "packing", "output" if loaded else "packing")
         bed = (record.read(self.folder) or {}).get("bed", self._bed_name())
         if bed != self._bed_name():
             changes.append(f"bed: {bed} -> {self._bed_name()}")
@@ -279,6 +262,7 @@ class Run:
         o = self.options
         values = {
             "SCENARIO": self.scenario.name,
+            "VARIANT": "+".join(self.scenario.variants) or None,
             "CODE": o.code,
             "PROFILE": o.profile,
             "CYCLES": o.cycles,
@@ -356,9 +340,8 @@ class Run:
                 )
         made_with = path.parent.parent / "scenario.json"
         if made_with.exists():
-            changes = _differences(
-                Scenario.from_json(made_with.read_text()), self.scenario, lambda key: key.startswith(BED_KEYS)
-            )
+            made = Scenario.from_json(made_with.read_text())
+            changes = [line for line in made.changes(self.scenario) if line.startswith(BED_KEYS)]
             if changes:
                 raise refuse(f"does not fit: {'; '.join(changes)}; take a bed with the same geometry and clump")
         write_aside(self.bed_file, text)
@@ -452,6 +435,7 @@ def _arguments(argv: list[str]) -> argparse.Namespace:
 
     parser = Parser(prog="python -m analysis run", description="Simulate one scenario in one code, or go on with it.")
     parser.add_argument("scenario", help="a scenario of the scenario file")
+    parser.add_argument("--variant", default="", help="variants of the scenario file, e.g. servo or servo,same-bed")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo", help="demo (default) or full")
     parser.add_argument("--cycles", type=whole, help="instead of loading.cycles; raise it to extend a finished run")
@@ -468,11 +452,15 @@ def _arguments(argv: list[str]) -> argparse.Namespace:
 def main(argv: list[str]) -> int:
     """Command line of `make run`. Exit code 0 done, 1 failed, 130 or 143 stopped by Ctrl-C or SIGTERM."""
     options, stop = _arguments(argv), StopRequest()
+
+    def resolved() -> Scenario:
+        return load_scenario(options.scenario, options.profile, options.scenarios, options.cycles, options.variant)
+
     try:
-        run = Run(load_scenario(options.scenario, options.profile, options.scenarios, options.cycles), options, stop)
+        run = Run(resolved(), options, stop)
         if options.cycles is None and (asked := cycles_asked(run.folder)) > run.cycles:
             options.cycles = asked  # the same command without CYCLES goes on to where the run was going
-            run = Run(load_scenario(options.scenario, options.profile, options.scenarios, asked), options, stop)
+            run = Run(resolved(), options, stop)
         run.go()
     except (ScenarioError, EngineError, RunError) as error:
         print(error, file=sys.stderr)

@@ -8,7 +8,10 @@ from collections.abc import Iterable
 from analysis.files import Row
 from analysis.scenarios import derived
 
-LOAD_REACHED = 0.5  # least peak of a cycle's sleeper stress over its target: below it the cycle did not load the bed
+LOAD_REACHED = 0.5
+"""Least peak of a cycle's sleeper stress over its target; below it the cycle did not load the bed. Under PFC's servo that
+is a result, which the report and `make status` show: the servo cannot follow 20 Hz on a soft bed.
+"""
 
 
 class Diverged(RuntimeError):
@@ -79,6 +82,8 @@ class Watch:
             return
         peaks, self._peaks = self._peaks, []
         target = self.scenario["loading.stress_max"]
+        if self.scenario["load_control.sleeper_law"] == "pfc":
+            return
         if len(peaks) >= self.scenario["output.rows_per_cycle"] and max(peaks) < LOAD_REACHED * target:
             raise Diverged(
                 f"load not reached: at most {max(peaks) / 1e3:.0f} kPa on the sleeper in cycle "

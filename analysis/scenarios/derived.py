@@ -124,6 +124,11 @@ def load_control(s) -> dict[str, float]:
     }
 
 
+def pfc_time_step(s) -> float:
+    """The time step in the gain of PFC's servo, s: load_control.pfc_time_step, or where that is 0 the run's own."""
+    return s["load_control.pfc_time_step"] or time_grid(s).step_s
+
+
 def lattice_spacing(s) -> float:
     """Centre distance of the hexagonal lattice, m."""
     return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"]

@@ -17,8 +17,9 @@ from analysis.scenarios.scenario import (
     load_scenario,
     profile_names,
     scenario_names,
+    variant_names,
 )
-from analysis.scenarios.schema import PROFILE_KEYS, STATUSES
+from analysis.scenarios.schema import PROFILE_KEYS, STAGES, STATUSES
 
 PARAMETER_FILE = SCENARIO_FILE.with_name("PARAMETERS.md")
 
@@ -39,6 +40,8 @@ def render() -> str:
         "SI units; x along the sleeper, y along the track, z up; settlement positive downward.\n\n" + _statuses(base),
         "## Base\n\n" + "\n".join(_section(name, dict(keys)) for name, keys in groupby(base.items(), _section_name)),
         "## Scenarios\n\nWhere a scenario differs from the base.\n\n" + _scenarios(base, scenarios),
+        "## Variants\n\nA variant can be laid over any scenario; it starts from the packed bed of its scenario unless it changes "
+        "box, clumps or packing.\n\n" + _variants(),
         "## Profiles\n\nA profile changes size and length only.\n\n" + _profiles(),
         "## What follows\n\nFor the full bed.\n\n" + _derived(scenarios),
         conversions.markdown(),
@@ -111,6 +114,23 @@ def _shorten(names: list[str]) -> list[str]:
         if len(alike) > 1 and set(alike) <= set(names):
             names = [f"{prefix}*", *(n for n in names if n not in alike)]
     return names
+
+
+def _variants() -> str:
+    """A row for each value of each variant, over the first scenario whose value it changes."""
+    rows = []
+    for name in variant_names():
+        found: dict[str, Parameter] = {}
+        for scenario in scenario_names():
+            plain, varied = load_scenario(scenario), load_scenario(scenario, variant=name)
+            for key in plain.changed_keys(varied, STAGES[0], STAGES[-1]):
+                if key not in ("packing.bed_from", "time.step"):
+                    found.setdefault(key, varied.parameters[key])
+            for key in ("time.choice", "time.factor"):
+                if plain[key] != varied[key]:
+                    found.setdefault(key, varied.parameters[key])
+        rows += [[f"`{name}`", f"`{key}`", _with_unit(p), p.status, p.source] for key, p in found.items()]
+    return table(["variant", "key", "value", "status", "source"], rows)
 
 
 def _profiles() -> str:

@@ -1,24 +1,29 @@
-"""The scenario file: base, scenario and profile laid over each other, checked, and made into one flat table.
+"""The scenario file: base, scenario, profile and variants laid over each other, checked, and made into one flat table.
 
+A scenario with variants is called by its id, scenario and variants joined by `+`: nonlinear-en1.0+same-bed+servo.
 Needs only the standard library, because YADE's Python has no more.
 """
 
 from __future__ import annotations
 
 import difflib
+import functools
 import hashlib
 import json
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from analysis.files import ROOT
 from analysis.scenarios import derived, lattice
-from analysis.scenarios.schema import KEYS, PROFILE_KEYS, STATUSES
+from analysis.scenarios.schema import FILE_KEYS, KEYS, PROFILE_KEYS, STAGES, STATUSES
 
 SCENARIO_FILE = ROOT / "scenarios.toml"
+GROUPS = ("paper", "chen2015", "own")
+BED_SECTIONS = ("geometry.", "clump.", "packing.")
+"""A variant that sets a key of these needs a packed bed of its own; where a bed comes from (packing.bed_*) aside."""
 
 
 class ScenarioError(ValueError):
@@ -38,30 +43,56 @@ class Parameter:
 class Scenario:
     """All parameters of one scenario at one profile: `scenario["geometry.box_length"]` gives the value in SI units."""
 
-    def __init__(self, name: str, profile: str, title: str, parameters: dict[str, Parameter]):
+    def __init__(
+        self,
+        name: str,
+        profile: str,
+        title: str,
+        parameters: dict[str, Parameter],
+        variants: Sequence[str] = (),
+        label: str = "",
+    ):
+        """`label` is how figures and tables call it."""
         self.name, self.profile, self.title, self.parameters = name, profile, title, parameters
+        self.variants, self.label = tuple(variants), label or join_id(name, variants)
 
     def __getitem__(self, key: str):
         return self.parameters[key].value
+
+    @property
+    def id(self) -> str:
+        """Name and variants, as the run's folder is called."""
+        return join_id(self.name, self.variants)
 
     def replace(self, key: str, value) -> Scenario:
         """A copy with one value changed, for calibration and sensitivity studies; its status becomes `assumed`."""
         old = self.parameters[key]
         new = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
-        return Scenario(self.name, self.profile, self.title, self.parameters | {key: new})
+        return Scenario(
+            self.name, self.profile, self.title, self.parameters | {key: new}, self.variants, self.label
+        )
 
     @property
     def hash(self) -> str:
-        """Twelve hex digits over all values: equal exactly when two runs had the same parameters."""
-        values = {key: p.value for key, p in sorted(self.parameters.items())}
+        """Twelve hex digits over all values that are physics: equal exactly when two runs simulate the same.
+
+        Texts, what a run writes and how far it goes are left out.
+        """
+        values = {
+            key: p.value
+            for key, p in sorted(self.parameters.items())
+            if key in KEYS and KEYS[key].matters("packing", "loading") and p.value != KEYS[key].neutral
+        }
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:12]
 
     def to_json(self) -> str:
         """The resolved scenario as JSON, the form kept in a run's folder."""
         body = {
             "name": self.name,
+            "variant": "+".join(self.variants),
             "profile": self.profile,
             "title": self.title,
+            "label": self.label,
             "hash": self.hash,
             "parameters": {key: asdict(p) for key, p in self.parameters.items()},
         }
@@ -69,15 +100,51 @@ class Scenario:
 
     @classmethod
     def from_json(cls, text: str) -> Scenario:
-        """Read what `to_json` wrote."""
+        """Read what `to_json` wrote. Keys that are newer than the text get their neutral value, if they have one."""
         body = json.loads(text)
-        return cls(
-            body["name"], body["profile"], body["title"], {key: Parameter(**p) for key, p in body["parameters"].items()}
-        )
+        parameters = {key: Parameter(**p) for key, p in body["parameters"].items()}
+        for key, known in KEYS.items():
+            if key not in parameters and known.neutral is not None:
+                parameters[key] = Parameter(known.neutral, known.unit, "derived", "the run is older than this key")
+        variants = split_variants(body.get("variant", ""))
+        return cls(body["name"], body["profile"], body["title"], parameters, variants, body.get("label", ""))
+
+    def changed_keys(self, other: Scenario, from_stage: str = "packing", to_stage: str = "loading") -> list[str]:
+        """Keys read by a stage from `from_stage` to `to_stage` (schema.STAGES) in which two scenarios differ.
+
+        packing to loading is physics. A key that only one of them has counts as well.
+        """
+        keys = dict.fromkeys((*self.parameters, *other.parameters))
+        known = (key for key in keys if key not in KEYS or KEYS[key].matters(from_stage, to_stage))
+        return [key for key in known if self._shown(key) != other._shown(key)]
+
+    def changes(self, other: Scenario, from_stage: str = "packing", to_stage: str = "loading") -> list[str]:
+        """Lines `key: here -> there` for `changed_keys`; `none` stands for a key that one of them does not have."""
+        keys = self.changed_keys(other, from_stage, to_stage)
+        return [f"{key}: {self._shown(key)} -> {other._shown(key)}" for key in keys]
 
     def differences(self, other: Scenario) -> list[str]:
-        """Lines `key: here -> there` for every value in which two scenarios differ."""
-        return [f"{key}: {self[key]} -> {other[key]}" for key in self.parameters if self[key] != other[key]]
+        """Lines `key: here -> there` for every value in which two scenarios differ, also what is not physics."""
+        return self.changes(other, STAGES[0], STAGES[-1])
+
+    def _shown(self, key: str):
+        return self.parameters[key].value if key in self.parameters else "none"
+
+
+def split_variants(text: str) -> tuple[str, ...]:
+    """Variants of a text such as `servo,same-bed` or `same-bed+servo`: each once, in the order of the alphabet."""
+    return tuple(sorted(set(filter(None, re.split(r"[,+\s]+", text)))))
+
+
+def split_id(identity: str) -> tuple[str, tuple[str, ...]]:
+    """Name and variants of `nonlinear-en1.0+same-bed+servo`."""
+    name, _, variants = identity.partition("+")
+    return name, split_variants(variants)
+
+
+def join_id(name: str, variants: Sequence[str] = ()) -> str:
+    """The id of a scenario with these variants."""
+    return "+".join((name, *sorted(set(variants))))
 
 
 def _refuse(path: Path, key: str, value, allowed: str) -> ScenarioError:
@@ -96,8 +163,10 @@ def _leaves(table: dict, prefix: str = "") -> Iterator[tuple[str, object]]:
 
 def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
     name = f"{where}.{key}"
-    if key not in KEYS:
-        near = difflib.get_close_matches(key, KEYS, 1)
+    if key not in FILE_KEYS:
+        if key in KEYS:
+            raise _refuse(path, name, entry, f"nothing: it is made from {KEYS[key].made}")
+        near = difflib.get_close_matches(key, FILE_KEYS, 1)
         raise _refuse(path, name, entry, f"a known key{f', perhaps {near[0]}' if near else ''}")
     known = KEYS[key]
     if not isinstance(entry, dict) or set(entry) != {"value", "unit", "status", "source"}:
@@ -127,16 +196,18 @@ def _read(path: Path) -> dict:
         raise ScenarioError(f"{path.name}: {reason}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
+    content = {"variant": {}, "study": {}} | content
+    sections = ("base", "scenario", "profile", "variant", "study")
     for section in content:
-        if section not in ("base", "scenario", "profile"):
-            raise _refuse(path, section, "...", "the sections base, scenario and profile")
-    for section in ("base", "scenario", "profile"):
+        if section not in sections:
+            raise _refuse(path, section, "...", "the sections " + ", ".join(sections))
+    for section in sections:
         if not isinstance(content.get(section), dict):
             raise _refuse(path, section, content.get(section), f"a table [{section}]")
-    for section in ("scenario", "profile"):
+    for section in ("scenario", "variant", "profile"):
         for name in content[section]:
-            if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", name, re.ASCII):  # it names folders and make targets
-                raise _refuse(path, f"{section} name", name, "letters, digits and . _ + -")
+            if not re.fullmatch(r"[A-Za-z0-9][\w.-]*", name, re.ASCII):  # it names folders and make targets
+                raise _refuse(path, f"{section} name", name, "letters, digits and . _ -")
     return content
 
 
@@ -152,9 +223,21 @@ def _overlay(path: Path, where: str, table, extras: tuple[str, ...]) -> tuple[di
     return texts, {key: _parameter(path, where, key, entry) for key, entry in _leaves(rest)}
 
 
-def scenario_names(path: Path = SCENARIO_FILE) -> list[str]:
-    """Names of all scenarios of the file, in its order."""
-    return list(_read(Path(path))["scenario"])
+def read_file(path: Path = SCENARIO_FILE) -> dict:
+    """The scenario file's sections base, scenario, variant, profile and study, as tables; ScenarioError if unusable."""
+    return _read(Path(path))
+
+
+def scenario_names(path: Path = SCENARIO_FILE, group: str | None = None) -> list[str]:
+    """Names of all scenarios of the file, in its order; of one group (paper, chen2015, own) where it is given."""
+    path = Path(path)
+    scenarios = _read(path)["scenario"]
+    return [name for name in scenarios if group in (None, _role(path, scenarios, name)["group"])]
+
+
+def variant_names(path: Path = SCENARIO_FILE) -> list[str]:
+    """Names of all variants of the file, in its order."""
+    return list(_read(Path(path))["variant"])
 
 
 def profile_names(path: Path = SCENARIO_FILE) -> list[str]:
@@ -162,20 +245,52 @@ def profile_names(path: Path = SCENARIO_FILE) -> list[str]:
     return list(_read(Path(path))["profile"])
 
 
+def label_of(identity: str, path: Path = SCENARIO_FILE) -> str:
+    """How figures and tables call a scenario, with its variants; the id itself where the file does not know it."""
+    name, variants = split_id(identity)
+    labels = _labels(Path(path))
+    return ", ".join((labels.get(name, name), *(labels.get(f"+{variant}", variant) for variant in variants)))
+
+
+@functools.cache
+def _labels(path: Path) -> dict[str, str]:
+    """Labels by name; those of variants by `+name`."""
+    try:
+        content = _read(path)
+        return {name: _role(path, content["scenario"], name)["label"] for name in content["scenario"]} | {
+            f"+{name}": str(table.get("label", name)) for name, table in content["variant"].items()
+        }
+    except (ScenarioError, AttributeError):
+        return {}
+
+
+def _role(path: Path, scenarios: dict, name: str) -> dict[str, str]:
+    """Label and group of a scenario."""
+    table = scenarios[name] if isinstance(scenarios[name], dict) else {}
+    role = {"label": table.get("label", name), "group": table.get("group", "own")}
+    if role["group"] not in GROUPS:
+        raise _refuse(path, f"scenario.{name}.group", role["group"], "one of " + ", ".join(GROUPS))
+    return role
+
+
 def base_parameters(path: Path = SCENARIO_FILE) -> dict[str, Parameter]:
     """Parameters of [base], before any scenario."""
-    return _base(Path(path), _read(Path(path)))
+    return _made(_base(Path(path), _read(Path(path))))
 
 
-def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, cycles: int | None = None) -> Scenario:
-    """Resolve base <- scenario (and the scenarios it is based on) <- profile.
+def load_scenario(
+    name: str, profile: str = "full", path: Path = SCENARIO_FILE, cycles: int | None = None, variant: str = ""
+) -> Scenario:
+    """Resolve base <- scenario (and the scenarios it is based on) <- profile <- variants.
 
-    `cycles` replaces loading.cycles, as CYCLES=n does on the command line.
+    `name` may be an id, with variants; `variant` adds further ones, in any order (`servo,same-bed`). `cycles` replaces
+    loading.cycles, as CYCLES=n does on the command line.
     Raises ScenarioError with one line for anything that is unknown, of the wrong type or impossible.
     """
     path = Path(path)
     content = _read(path)
-    scenario = _resolve(path, content, name, profile, cycles)
+    name, variants = split_id(name)
+    scenario = _resolve(path, content, name, (*variants, *split_variants(variant)), profile, cycles)
     _check_together(path, scenario)
     _check_bed(path, content, scenario)
     return scenario
@@ -183,48 +298,88 @@ def load_scenario(name: str, profile: str = "full", path: Path = SCENARIO_FILE, 
 
 def _base(path: Path, content: dict) -> dict[str, Parameter]:
     parameters = {key: _parameter(path, "base", key, entry) for key, entry in _leaves(content["base"])}
-    for key in KEYS:
+    for key in FILE_KEYS:
         if key not in parameters:
             raise ScenarioError(f"{path.name}: base.{key} is missing; give value, unit, status and source")
     return parameters
 
 
-def _unknown_scenario(path: Path, known: dict, name: str) -> ScenarioError:
+def _made(parameters: dict[str, Parameter]) -> dict[str, Parameter]:
+    """The same with the keys that follow from others: the time step that is chosen."""
+    chosen, factor = f"time.{parameters['time.choice'].value}_step", parameters["time.factor"].value
+    step = parameters[chosen]
+    status = step.status if factor == 1 else parameters["time.factor"].status
+    text = chosen + ("" if factor == 1 else f" x {factor:g}")
+    return parameters | {"time.step": Parameter(step.value * factor, step.unit, status, f"{text}: {step.source}")}
+
+
+def _unknown(path: Path, section: str, known: dict, name: str) -> ScenarioError:
     head, dot, rest = name.partition(".")
     if dot and isinstance(known.get(head), dict) and rest in known[head]:
-        return ScenarioError(f'{path.name}: scenario.{name}: put the name in quotes, [scenario."{name}"]')
+        return ScenarioError(f'{path.name}: {section}.{name}: put the name in quotes, [{section}."{name}"]')
     near = difflib.get_close_matches(name, known, 1)
     hint = f", perhaps {near[0]}" if near else ""
-    return ScenarioError(f"{path.name}: scenario {name!r} is unknown{hint}; known: {', '.join(known)}")
+    return ScenarioError(f"{path.name}: {section} {name!r} is unknown{hint}; known: {', '.join(known) or 'none'}")
 
 
-def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | None = None) -> Scenario:
+def _chain(path: Path, section: str, known: dict, name: str, texts: tuple[str, ...]):
+    """The layers of [section.name] and of the tables it is based on, the deepest first, and its own texts."""
+    layers, current, chain, own = [], name, [], {}
+    while current:
+        if current in chain:
+            raise _refuse(path, f"{section}.{chain[-1]}.base", current, "a chain of bases without a circle")
+        if current not in known:
+            raise _refuse(path, f"{section}.{chain[-1]}.base", current, "one of " + ", ".join(known))
+        chain.append(current)
+        found, values = _overlay(path, f"{section}.{current}", known[current], texts)
+        layers.insert(0, values)
+        own = found if current == name else own
+        current = found.get("base")
+    return layers, own
+
+
+def _resolve(
+    path: Path, content: dict, name: str, variants: Sequence[str], profile: str, cycles: int | None = None
+) -> Scenario:
     """Lay the layers over each other, each value checked by itself."""
     if name not in content["scenario"]:
-        raise _unknown_scenario(path, content["scenario"], name)
+        raise _unknown(path, "scenario", content["scenario"], name)
+    for variant in variants:
+        if variant not in content["variant"]:
+            raise _unknown(path, "variant", content["variant"], variant)
     if profile not in content["profile"]:
         raise ScenarioError(f"{path.name}: profile {profile!r} is unknown; known: {', '.join(content['profile'])}")
 
     parameters = _base(path, content)
-    layers, current, chain, title = [], name, [], name
-    while current:
-        if current in chain:
-            raise _refuse(path, f"scenario.{chain[-1]}.base", current, "a chain of bases without a circle")
-        if current not in content["scenario"]:
-            raise _refuse(path, f"scenario.{chain[-1]}.base", current, "one of " + ", ".join(content["scenario"]))
-        chain.append(current)
-        texts, values = _overlay(path, f"scenario.{current}", content["scenario"][current], ("title", "base"))
-        layers.insert(0, values)
-        title = texts.get("title", name) if current == name else title
-        current = texts.get("base")
+    layers, texts = _chain(path, "scenario", content["scenario"], name, ("title", "base", "label", "group"))
+    title, label = texts.get("title", name), _role(path, content["scenario"], name)["label"]
     _, values = _overlay(path, f"profile.{profile}", content["profile"][profile], ("title",))
     for key in values:
         if key not in PROFILE_KEYS:
             raise _refuse(
                 path, f"profile.{profile}.{key}", values[key].value, "size and length only: " + ", ".join(PROFILE_KEYS)
             )
-    for layer in (*layers, values):
+    layers.append(values)
+    for layer in layers:
         parameters.update(layer)
+
+    own_bed = []
+    for variant in (v for v in content["variant"] if v in variants):  # later ones of the file win, in whatever order
+        layers, texts = _chain(path, "variant", content["variant"], variant, ("title", "base", "label"))
+        title = f"{title}; {texts.get('title', variant)}"
+        label = f"{label}, {texts.get('label', variant)}"
+        for layer in layers:
+            parameters.update(layer)
+            if any(key.startswith(BED_SECTIONS) and not key.startswith("packing.bed_") for key in layer):
+                own_bed.append(variant)
+    if variants:
+        source = parameters["packing.bed_from"]
+        bed = join_id(source.value or name, own_bed)
+        if bed == join_id(name, variants):
+            bed, source = "", Parameter("", "-", "derived", "own packing: the variant changes what is packed")
+        elif bed != source.value:
+            source = Parameter(bed, "-", "assumed", "a variant starts from the packed bed of its scenario")
+        parameters["packing.bed_from"] = Parameter(bed, "-", source.status, source.source)
     if cycles is not None:
         parameters["loading.cycles"] = _parameter(
             path,
@@ -233,14 +388,14 @@ def _resolve(path: Path, content: dict, name: str, profile: str, cycles: int | N
             {"value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"},
         )
 
-    return Scenario(name, profile, title, parameters)
+    return Scenario(name, profile, title, _made(parameters), sorted(set(variants)), label)
 
 
 def _check_together(path: Path, s: Scenario) -> None:
     """Refuse values that are each allowed but impossible together."""
 
     def refuse(key: str, allowed: str) -> ScenarioError:
-        return _refuse(path, f"scenario.{s.name}: {key}", s[key], allowed)
+        return _refuse(path, f"scenario.{s.id}: {key}", s[key], allowed)
 
     if (
         s["contact.model"] == "hysteretic"
@@ -311,17 +466,18 @@ def _check_bed(path: Path, content: dict, s: Scenario) -> None:
     bed, code = s["packing.bed_from"], s["packing.bed_code"]
     if not bed:
         if code:
-            raise _refuse(path, f"scenario.{s.name}: packing.bed_code", code, "empty where packing.bed_from is empty")
+            raise _refuse(path, f"scenario.{s.id}: packing.bed_code", code, "empty where packing.bed_from is empty")
         return
 
     def refuse(allowed: str) -> ScenarioError:
-        return _refuse(path, f"scenario.{s.name}: packing.bed_from", bed, allowed)
+        return _refuse(path, f"scenario.{s.id}: packing.bed_from", bed, allowed)
 
-    if bed == s.name:
+    if bed == s.id:
         raise refuse("another scenario")
-    if bed not in content["scenario"]:
+    name, variants = split_id(bed)
+    if name not in content["scenario"] or not set(variants) <= set(content["variant"]):
         raise refuse("empty or one of " + ", ".join(content["scenario"]))
-    other = _resolve(path, content, bed, s.profile)
+    other = _resolve(path, content, name, variants, s.profile)
     if other["packing.bed_from"]:
         raise refuse(f"a scenario that packs its own bed, as {other['packing.bed_from']} does")
     for line in s.differences(other):

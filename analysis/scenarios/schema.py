@@ -1,4 +1,4 @@
-"""What each key of the scenario file may hold: type, unit, limits.
+"""What each key of the scenario file may hold: type, unit, limits, and the stages that read it.
 
 The unit is part of the key's definition, so a value given in another unit is refused rather than converted.
 """
@@ -6,9 +6,11 @@ The unit is part of the key's definition, so a value given in another unit is re
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 STATUSES = ("reported", "derived", "assumed", "calibrated")
+STAGES = ("packing", "preload", "loading", "output", "limit")
+"""In the order of a run. `output` is what a run writes, `limit` how far it goes and when it stops: neither is physics."""
 PROFILE_KEYS = (
     "geometry.width_scale",
     "packing.lattice_gap",
@@ -16,8 +18,6 @@ PROFILE_KEYS = (
     "output.checkpoint_cycles",
     "output.keep_beds",
 )
-NO_PHYSICS = ("loading.cycles", "output.", "limits.")
-"""Keys that start so say how long a run goes on, what it writes and when it stops, not what it simulates."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,16 @@ class Key:
     open_minimum: bool = False
     choices: tuple = ()
     item: type = float
+    since: str = "packing"
+    """The first stage that reads the key; empty: it only takes part in making another key (`time.step`)."""
+    until: str = "loading"
+    """The last one."""
+    neutral: float | int | str | None = None
+    """The value that means what the codes did before the key existed: runs that lack the key had this value, and the
+    hash of a scenario with it is the hash without the key.
+    """
+    made: str = ""
+    """How the loader makes the value; such a key may not stand in the file."""
 
     def allowed(self) -> str:
         """Say in words what the key may hold."""
@@ -67,6 +77,13 @@ class Key:
             return False
         return self.maximum is None or value <= self.maximum
 
+    def matters(self, first: str, last: str) -> bool:
+        """True where a stage from `first` to `last` reads the key."""
+        if not self.since:
+            return False
+        since, until, low, high = map(STAGES.index, (self.since, self.until, first, last))
+        return since <= high and until >= low
+
 
 def _positive(unit: str, maximum: float | None = None, kind: type = float) -> Key:
     return Key(unit, kind, 0, maximum, open_minimum=True)
@@ -74,6 +91,14 @@ def _positive(unit: str, maximum: float | None = None, kind: type = float) -> Ke
 
 def _from_zero(unit: str, maximum: float | None = None, kind: type = float) -> Key:
     return Key(unit, kind, 0, maximum)
+
+
+def _read_by(since: str, until: str, keys: dict[str, Key]) -> dict[str, Key]:
+    return {name: replace(key, since=since, until=until) for name, key in keys.items()}
+
+
+def _neutral(value, key: Key) -> Key:
+    return replace(key, neutral=value)
 
 
 KEYS: dict[str, Key] = {
@@ -95,62 +120,127 @@ KEYS: dict[str, Key] = {
     "clump.ball_radius": _positive("m", 1),
     "clump.aspect": Key("-", float, 1, 2, open_minimum=True),
     "clump.density": _positive("kg/m3", 25000),
-    "packing.bed_from": Key("-", str),
-    "packing.bed_code": Key("-", str, choices=("", "yade", "liggghts")),
-    "packing.lattice_radius": _positive("m", 1),
-    "packing.growth": Key("-", float, 1, 5),
-    "packing.lattice_gap": _from_zero("m", 1),
-    "packing.relax_stiffness": Key("-", list, 0, 1, open_minimum=True),
-    "packing.relax_steps": _positive("step", kind=int),
-    "packing.local_damping": _from_zero("-", 0.95),
-    "packing.compaction_gravity": _positive("m/s2"),
-    "packing.compaction_friction": _from_zero("-", 5),
-    "packing.compaction_unbalanced_ratio": _positive("-", 1),
-    "packing.compaction_kinetic_energy": _positive("J"),
+    **_read_by(
+        "packing",
+        "packing",
+        {
+            "packing.bed_from": Key("-", str),
+            "packing.bed_code": Key("-", str, choices=("", "yade", "liggghts")),
+            "packing.lattice_radius": _positive("m", 1),
+            "packing.growth": Key("-", float, 1, 5),
+            "packing.lattice_gap": _from_zero("m", 1),
+            "packing.relax_stiffness": Key("-", list, 0, 1, open_minimum=True),
+            "packing.relax_steps": _positive("step", kind=int),
+            "packing.local_damping": _from_zero("-", 0.95),
+            "packing.compaction_gravity": _positive("m/s2"),
+            "packing.compaction_friction": _from_zero("-", 5),
+            "packing.compaction_unbalanced_ratio": _positive("-", 1),
+            "packing.compaction_kinetic_energy": _positive("J"),
+            "packing.gravity_ramp_time": _positive("s", 10),
+        },
+    ),
     "packing.final_gravity": _positive("m/s2"),
-    "packing.gravity_ramp_time": _positive("s", 10),
-    "rest.local_damping": _from_zero("-", 0.95),
-    "rest.unbalanced_ratio": _positive("-", 1),
-    "rest.kinetic_energy": _positive("J"),
-    "rest.time_limit": _positive("s", 100),
-    "preload.sleeper_stress": _positive("Pa"),
-    "preload.plate_stress": _positive("Pa"),
-    "preload.ramp_time": _positive("s", 10),
-    "preload.stress_tolerance": _positive("-", 0.5),
-    "preload.averaging_time": _positive("s", 1),
-    "preload.time_limit": _positive("s", 100),
-    "loading.stress_min": _positive("Pa"),
-    "loading.stress_max": _positive("Pa"),
-    "loading.frequency": _positive("Hz", 1000),
-    "loading.cycles": _positive("-", 10_000_000, int),
-    "load_control.sleeper_law": Key("-", str, choices=("force", "pfc")),
-    "load_control.plate_law": Key("-", str, choices=("force", "pfc", "fixed")),
-    "load_control.sleeper_mass": _positive("kg"),
-    "load_control.sleeper_drag": _from_zero("N s/m"),
-    "load_control.plate_mass": _positive("kg"),
-    "load_control.plate_drag": _from_zero("N s/m"),
-    "load_control.pfc_gain": _positive("-", 2),
-    "load_control.pfc_velocity_limit": _positive("m/s", 100),
-    "load_control.pfc_update_interval": _positive("step", kind=int),
-    "load_control.pfc_contact_floor": Key("-", int, 1),
-    "contact.model": Key("-", str, choices=("linear", "hysteretic")),
+    **_read_by(
+        "packing",
+        "preload",
+        {
+            "rest.local_damping": _from_zero("-", 0.95),
+            "rest.unbalanced_ratio": _positive("-", 1),
+            "rest.kinetic_energy": _positive("J"),
+            "rest.time_limit": _positive("s", 100),
+        },
+    ),
+    **_read_by(
+        "preload",
+        "loading",
+        {
+            "preload.sleeper_stress": _positive("Pa"),
+            "preload.plate_stress": _positive("Pa"),
+            "preload.ramp_time": _positive("s", 10),
+            "preload.stress_tolerance": _positive("-", 0.5),
+            "preload.averaging_time": _positive("s", 1),
+            "preload.time_limit": _positive("s", 100),
+        },
+    ),
+    **_read_by(
+        "loading",
+        "loading",
+        {
+            "loading.stress_min": _positive("Pa"),
+            "loading.stress_max": _positive("Pa"),
+            "loading.local_damping": _neutral(0.0, _from_zero("-", 0.95)),
+        },
+    ),
+    "loading.frequency": _positive("Hz", 1000),  # makes the time grid, of packing too
+    **_read_by("limit", "limit", {"loading.cycles": _positive("-", 10_000_000, int)}),
+    **_read_by(
+        "preload",
+        "loading",
+        {
+            "load_control.sleeper_law": Key("-", str, choices=("force", "pfc")),
+            "load_control.plate_law": Key("-", str, choices=("force", "pfc", "fixed")),
+            "load_control.sleeper_mass": _positive("kg"),
+            "load_control.sleeper_drag": _from_zero("N s/m"),
+            "load_control.plate_mass": _positive("kg"),
+            "load_control.plate_drag": _from_zero("N s/m"),
+            "load_control.pfc_gain": _positive("-", 2),
+            "load_control.pfc_time_step": _neutral(0.0, _from_zero("s", 1e-3)),
+            "load_control.pfc_velocity_limit": _positive("m/s", 1e4),
+            "load_control.pfc_update_interval": _positive("step", kind=int),
+            "load_control.pfc_contact_floor": Key("-", int, 1),
+            "contact.model": Key("-", str, choices=("linear", "hysteretic")),
+            "contact.dashpot_limit": _neutral(1.0, _positive("-", 1)),
+        },
+    ),
+    "contact.dashpot_mass_share": _neutral(1.0, _positive("-", 1)),
     "contact.particle_particle.normal_stiffness": _positive("N/m"),
     "contact.particle_particle.shear_stiffness": _from_zero("N/m"),
     "contact.particle_particle.damping_ratio": _from_zero("-", 0.99),
     "contact.particle_particle.friction": _from_zero("-", 5),
-    "contact.particle_particle.shear_modulus": _positive("Pa"),
-    "contact.particle_particle.poisson_ratio": _from_zero("-", 0.49),
-    "contact.particle_particle.restitution": _from_zero("-", 1),
-    "contact.particle_particle.damping_mode": Key("-", int, choices=(0, 1, 2)),
+    **_read_by(  # packing has linear contacts always
+        "preload",
+        "loading",
+        {
+            "contact.particle_particle.shear_modulus": _positive("Pa"),
+            "contact.particle_particle.poisson_ratio": _from_zero("-", 0.49),
+            "contact.particle_particle.restitution": _from_zero("-", 1),
+            "contact.particle_particle.damping_mode": Key("-", int, choices=(0, 1, 2)),
+        },
+    ),
     "contact.particle_wall.normal_stiffness": _positive("N/m"),
     "contact.particle_wall.shear_stiffness": _from_zero("N/m"),
     "contact.particle_wall.damping_ratio": _from_zero("-", 0.99),
     "contact.particle_wall.friction": _from_zero("-", 5),
-    "time.step": _positive("s", 1e-3),
-    "output.rows_per_cycle": Key("-", int, 40),
+    "contact.particle_wall.side_friction_share": _neutral(1.0, _from_zero("-", 1)),
+    **_read_by(
+        "",
+        "",
+        {
+            "time.choice": Key("-", str, choices=("paper", "verified")),
+            "time.paper_step": _positive("s", 1e-3),
+            "time.verified_step": _positive("s", 1e-3),
+            "time.factor": _positive("-", 10),
+        },
+    ),
+    "time.step": replace(_positive("s", 1e-3), made="time.paper_step or time.verified_step, as time.choice says, times time.factor"),
+    "output.rows_per_cycle": Key("-", int, 40),  # these two make the time grid
     "output.blocks_per_cycle": _positive("-", kind=int),
-    "output.checkpoint_cycles": _positive("-", kind=int),
-    "output.keep_beds": Key("-", list, 1, item=int),
-    "limits.overlap_ratio": _positive("-", 1),
-    "limits.kinetic_energy": _positive("J"),
+    **_read_by(
+        "output",
+        "output",
+        {
+            "output.checkpoint_cycles": _positive("-", kind=int),
+            "output.keep_beds": Key("-", list, 1, item=int),
+        },
+    ),
+    **_read_by(
+        "limit",
+        "limit",
+        {
+            "limits.overlap_ratio": _positive("-", 1),
+            "limits.kinetic_energy": _positive("J"),
+        },
+    ),
 }
+FILE_KEYS = tuple(name for name, key in KEYS.items() if not key.made)
+"""Keys that the scenario file holds; the loader makes the others."""
