@@ -1,6 +1,7 @@
 # Ballast under cyclic load, in YADE and in LIGGGHTS. `make` alone prints what there is.
 
 SCENARIO  ?= linear-mu0.8
+VARIANT   ?=
 CODE      ?= liggghts
 PROFILE   ?= demo
 SEED      ?= 1
@@ -14,18 +15,24 @@ CASE      ?= tests/impact.toml
 PYTHON   ?= python3
 ANALYSIS := .venv/bin/python -m analysis
 STAMP    := .venv/installed
+empty    :=
+space    := $(empty) $(empty)
+comma    := ,
+# scenario and variants as folders are called: linear-mu0.8+same-bed+servo
+ID        = $(subst $(space),+,$(strip $(SCENARIO) $(sort $(subst $(comma), ,$(subst +, ,$(VARIANT))))))
 OPTIONS   = --profile $(PROFILE) --seed $(SEED) --ranks $(NP) --results $(RESULTS) $(if $(CYCLES),--cycles $(CYCLES)) $(if $(BED),--bed $(BED)) $(if $(SCENARIOS),--scenarios $(SCENARIOS))
-FOLDER    = $(RESULTS)/$(PROFILE)/$(SCENARIO)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
+VARIED    = $(if $(VARIANT),--variant $(VARIANT))
+FOLDER    = $(RESULTS)/$(PROFILE)/$(ID)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run status compare report view keep verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run study status compare report view keep verify impact mutations sanitize reference calibrate bench \
         test clean distclean distclean-run FORCE
 
 help: ## this list
 	@awk 'BEGIN { FS = ":.*## " } /^##/ { printf "\n%s\n", substr($$0, 4) } \
 	      /^[a-z%-]+:.*## / { printf "  make %-22s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
-	@printf '\nVariables (now):\n  SCENARIO=%s  CODE=%s  PROFILE=%s  SEED=%s  NP=%s  RESULTS=%s  CYCLES=%s  BED=%s\n' \
-	    '$(SCENARIO)' '$(CODE)' '$(PROFILE)' '$(SEED)' '$(NP)' '$(RESULTS)' '$(CYCLES)' '$(BED)'
+	@printf '\nVariables (now):\n  SCENARIO=%s  VARIANT=%s  CODE=%s  PROFILE=%s  SEED=%s  NP=%s  RESULTS=%s  CYCLES=%s  BED=%s\n' \
+	    '$(SCENARIO)' '$(VARIANT)' '$(CODE)' '$(PROFILE)' '$(SEED)' '$(NP)' '$(RESULTS)' '$(CYCLES)' '$(BED)'
 	@echo '  PROFILE=demo is a slice of the bed (minutes); PROFILE=full is the bed of the paper (hours).'
 	@echo '  A run that was stopped goes on when the same command is given again.'
 
@@ -39,13 +46,16 @@ demo-yade demo-liggghts: demo-%: setup
 	@$(ANALYSIS) run nonlinear-en1.0 --code $* --progress lines $(OPTIONS)
 
 run: setup ## one scenario: make run SCENARIO=linear-mu0.8 CODE=yade PROFILE=full CYCLES=20 SEED=2
-	@$(ANALYSIS) run $(SCENARIO) --code $(CODE) $(OPTIONS)
+	@$(ANALYSIS) run $(SCENARIO) $(VARIED) --code $(CODE) $(OPTIONS)
 
 # For any scenario of scenarios.toml: make liggghts-linear-mu0.8, make yade-nonlinear-en1.0 ...
 yade-%: setup FORCE ## the same by name, for every scenario of scenarios.toml: make yade-nonlinear-en1.0 PROFILE=full
-	@$(ANALYSIS) run $* --code yade $(OPTIONS)
+	@$(ANALYSIS) run $* $(VARIED) --code yade $(OPTIONS)
 liggghts-%: setup FORCE ## likewise: make liggghts-linear-mu0.8 CYCLES=20
-	@$(ANALYSIS) run $* --code liggghts $(OPTIONS)
+	@$(ANALYSIS) run $* $(VARIED) --code liggghts $(OPTIONS)
+
+study: setup ## all runs of the study that are not done yet, two at a time: make -j2 study
+	@$(ANALYSIS) study --make --ranks $(NP) --results $(RESULTS) $(if $(SCENARIOS),--scenarios $(SCENARIOS)) | $(MAKE) --no-print-directory --keep-going -f - study
 
 status: $(STAMP) ## all runs: stage, cycle, speed, time left, tracking error, state
 	@$(ANALYSIS) status --results $(RESULTS)
@@ -55,7 +65,7 @@ compare: $(STAMP) ## rebuild report/index.html from the runs that exist
 	@$(ANALYSIS) report --results $(RESULTS)
 report: compare ## the same
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
-	@$(ANALYSIS) view $(SCENARIO) --code $(CODE) --profile $(PROFILE) --seed $(SEED) --results $(RESULTS)
+	@$(ANALYSIS) view $(ID) --code $(CODE) --profile $(PROFILE) --seed $(SEED) --results $(RESULTS)
 keep: ## put a run's normalised results into the repository: make keep SCENARIO=... CODE=... PROFILE=full
 	@test -f '$(FOLDER)/cycles.csv' -o -f '$(FOLDER)/stages.json' || { echo 'no results in $(FOLDER): run it first'; exit 1; }
 	@mkdir -p 'reference_data/runs/$(FOLDER:$(RESULTS)/%=%)'

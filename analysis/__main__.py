@@ -7,6 +7,7 @@ import sys
 
 COMMANDS = {  # name: module, purpose
     "run": ("driver.run", "simulate one scenario in one code, or go on with it"),
+    "study": ("driver.study", "the list of the study's runs, or one of them"),
     "status": ("driver.status", "list all runs"),
     "report": ("report.build", "rebuild the report from the runs that exist"),
     "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),

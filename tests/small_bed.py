@@ -16,8 +16,8 @@ CHANGES = {
     "lattice_gap": "0.027",
     "packing.lattice_gap": "0.027",
     "geometry.width_scale": "0.35",  # the demo slice, widened like the clumps: 130 of them
-    "step": "8.2e-6",
-    "time.step": "1.26e-5",
+    "verified_step": "8.2e-6",
+    "time.verified_step": "1.26e-5",
     "frequency": "80.0",
     "unbalanced_ratio": "2e-2",
 }

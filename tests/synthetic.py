@@ -218,6 +218,7 @@ def _info(s, code, cycles, seed, state, clumps) -> dict:
     grid = derived.time_grid(s)
     return {
         "scenario": s.name,
+        "variant": "+".join(s.variants),
         "profile": s.profile,
         "code": code,
         "scenario_hash": s.hash,

@@ -102,8 +102,8 @@ def test_the_file_holds_the_scenarios_and_profiles_of_the_paper():
                 "contact.particle_wall.friction": 0.7,
                 "contact.particle_wall.normal_stiffness": 1e9,
                 "contact.particle_wall.damping_ratio": 0.0,
-                "time.step": 2.9e-6,
-                "packing.bed_from": "",
+                "time.paper_step": 2.9e-6,
+                "load_control.pfc_time_step": 2.9e-6,
             },
         ),
         (
@@ -115,7 +115,8 @@ def test_the_file_holds_the_scenarios_and_profiles_of_the_paper():
                 "contact.particle_wall.normal_stiffness": 1e8,
                 "contact.particle_wall.damping_ratio": 0.06,
                 "contact.particle_particle.restitution": 1.0,
-                "time.step": 6.3e-6,
+                "time.paper_step": 6.3e-6,
+                "load_control.pfc_time_step": 6.3e-6,
                 "packing.bed_from": "linear-mu0.8",
             },
         ),
@@ -249,7 +250,10 @@ BAD = {
     "not TOML": (lambda t: t + "\n[[[", ["not valid TOML"]),
     "not UTF-8": (lambda t: t.encode() + b"\n# \xff\xfe", ["not valid TOML"]),
     "empty file": (lambda t: "", ["base", "null", "a table [base]"]),
-    "unknown section": (lambda t: t + "\n[scenarios.mine]\n", ["scenarios", "the sections base, scenario and profile"]),
+    "unknown section": (
+        lambda t: t + "\n[scenarios.mine]\n",
+        ["scenarios", "the sections base, scenario, profile, variant, study"],
+    ),
     "no profiles": (lambda t: t.split("[profile.full]")[0], ["profile", "a table [profile]"]),
     "missing key": (_replace("clump]\nball_radius", "clump]\n#ball_radius"), ["base.clump.ball_radius", "missing"]),
     "misspelt key": (
@@ -297,7 +301,10 @@ BAD = {
         [f"profile.full.{PP}.friction", "0.5", "size and length only", *PROFILE_KEYS],
     ),
     # types
-    "text for a number": (_entry("time.step", leaf('"fast"', unit="s")), ["time.step.value", "fast", "a number"]),
+    "text for a number": (
+        _entry("time.paper_step", leaf('"fast"', unit="s")),
+        ["time.paper_step.value", "fast", "a number"],
+    ),
     "number for a text": (_entry("contact.model", leaf(1)), ["contact.model.value", "1", "linear, hysteretic"]),
     "truth for a number": (_entry(f"{PP}.friction", leaf("true")), [f"{PP}.friction.value", "true", "a number"]),
     "fraction for a count": (_entry("loading.cycles", leaf(10.5)), ["loading.cycles.value", "10.5", "a whole number"]),
@@ -315,12 +322,15 @@ BAD = {
         [f"{P}.relax_stiffness.value", "one", "a list of numbers"],
     ),
     "date for a number": (
-        _entry("time.step", leaf("2021-11-06", unit="s")),
-        ["time.step.value", "2021-11-06", "a number"],
+        _entry("time.paper_step", leaf("2021-11-06", unit="s")),
+        ["time.paper_step.value", "2021-11-06", "a number"],
     ),
     # limits
-    "negative time step": (_entry("time.step", leaf("-1e-6", unit="s")), ["time.step.value", "-1e-06", "> 0"]),
-    "zero time step": (_entry("time.step", leaf("0.0", unit="s")), ["time.step.value", "0.0", "> 0"]),
+    "negative time step": (
+        _entry("time.paper_step", leaf("-1e-6", unit="s")),
+        ["time.paper_step.value", "-1e-06", "> 0"],
+    ),
+    "zero time step": (_entry("time.paper_step", leaf("0.0", unit="s")), ["time.paper_step.value", "0.0", "> 0"]),
     "not a number": (
         _entry("clump.density", leaf("nan", unit="kg/m3")),
         ["clump.density.value", "NaN", "a number > 0"],
@@ -344,6 +354,16 @@ BAD = {
         _entry("contact.model", leaf('"hertz"')),
         ["contact.model.value", "hertz", "one of linear, hysteretic"],
     ),
+    "time step itself": (
+        _entry("time.step", leaf(1e-6, unit="s")),
+        ["scenario.mine.time.step", "nothing: it is made from time.paper_step or time.verified_step"],
+    ),
+    "unknown choice of the step": (
+        _entry("time.choice", leaf('"half"')),
+        ["time.choice.value", "half", "paper, verified"],
+    ),
+    "unknown group": (_mine('group = "mine"'), ["scenario.mine.group", "mine", "one of paper, chen2015, own"]),
+    "name of two variants": (lambda t: t + '\n[variant."a+b"]\n', ["variant name", "a+b", "letters, digits"]),
     "unknown plate law": (
         _entry("load_control.plate_law", leaf('"servo"')),
         ["load_control.plate_law.value", "servo", "one of force, pfc, fixed"],
@@ -422,9 +442,12 @@ BAD = {
         _entry("output.rows_per_cycle", leaf(50)),
         ["output.rows_per_cycle", "50", "a multiple of"],
     ),
-    "step above the critical one": (_entry("time.step", leaf(2e-5, unit="s")), ["time.step", "2e-05", "critical"]),
+    "step above the critical one": (
+        _entry("time.verified_step", leaf(2e-5, unit="s")),
+        ["time.step", "2e-05", "critical"],
+    ),
     "rounding makes the step critical": (
-        _mine(f"loading.frequency = {leaf('900.0', unit='Hz')}\ntime.step = {leaf(1.66e-5, unit='s')}"),
+        _mine(f"loading.frequency = {leaf('900.0', unit='Hz')}\ntime.verified_step = {leaf(1.66e-5, unit='s')}"),
         ["time.step", "1.66e-05", "critical"],
     ),
     "bed of an unknown scenario": (
@@ -540,7 +563,7 @@ def test_clumps_have_the_published_radius_and_inertia(aspect, radius_mm, axial, 
 
 @pytest.mark.parametrize("name, steps", [("linear-mu0.8", 17241), ("nonlinear-en1.0", 7937)])
 def test_a_cycle_has_the_papers_steps_to_one_per_cent_and_divides_into_rows_and_blocks(name, steps):
-    s = load_scenario(name)
+    s = load_scenario(name, variant="paper-step")
     grid = derived.time_grid(s)
     assert grid.steps_per_cycle == pytest.approx(steps, rel=0.01)
     assert grid.step_s * grid.steps_per_cycle == pytest.approx(1 / 20, rel=1e-14)

@@ -23,14 +23,17 @@ class Apparatus:
         return cls(4, tuple(range(5, 5 + len(box.plates))))
 
 
-def build(box, material: str, mask: int) -> Apparatus:
-    """Make the walls of `box`: floor, end and side planes, then sleeper, plates and fixed wall as boxes."""
+def build(box, material: str, mask: int, side_material: str) -> Apparatus:
+    """Make the walls of `box`: end and side planes, of `side_material`, the floor, then sleeper, plates and fixed wall
+    as boxes.
+    """
     utilities = {"material": material, "mask": mask}
+    sides = utilities | {"material": side_material}
     O.bodies.append(
         [
-            utils.wall(0.0, axis=0, sense=1, **utilities),
-            utils.wall(0.0, axis=1, sense=1, **utilities),
-            utils.wall(box.width_m, axis=1, sense=-1, **utilities),
+            utils.wall(0.0, axis=0, sense=1, **sides),
+            utils.wall(0.0, axis=1, sense=1, **sides),
+            utils.wall(box.width_m, axis=1, sense=-1, **sides),
             utils.wall(0.0, axis=2, sense=1, **utilities),
         ]
     )

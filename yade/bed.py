@@ -35,6 +35,7 @@ class Bed:
     def __init__(self, scenario, numbers: list[int] | None = None):
         """An empty bed, or the bed of a simulation that was just loaded, whose clumps have these `numbers`."""
         self.clump = derived.clump(scenario)
+        self._dashpot_mass = self.clump.mass_kg * scenario["contact.dashpot_mass_share"]
         self.numbers = list(numbers or [])
         self._find_bodies()
 
@@ -68,7 +69,7 @@ class Bed:
             # YADE turns the body frame to principal axes of its own choice; refOri keeps the turn back to ours.
             body.state.refOri = body.state.ori.conjugate() * orientation
             for i in ids:
-                O.bodies[i].state.mass = clump.mass_kg  # the dashpot's mass is the whole clump's
+                O.bodies[i].state.mass = self._dashpot_mass  # by default the whole clump's
             masses.append(number)
         self.numbers += masses
         self._find_bodies()

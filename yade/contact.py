@@ -50,6 +50,7 @@ class ContactLaw:
 
     shells -- (material, collision mask) of each shell of spheres that a clump needs
     wall_mask -- collision mask of walls, whose material is "wall"
+    side_material -- material of the end wall and the side walls, another one only where their friction is
     """
 
     def __init__(self, scenario, model: str):
@@ -76,7 +77,10 @@ class ContactLaw:
             self._between = Ip2_FrictMat_FrictMat_FrictPhys()
         particle.density, particle.label = density, "particle"
         self.particle = O.materials.append(particle)
-        self.wall = O.materials.append(FrictMat(density=density, label="wall"))
+        self.wall = self.side = O.materials.append(FrictMat(density=density, label="wall"))
+        self.side_material = "wall"
+        if scenario["contact.side_friction_share"] != 1:
+            self.side, self.side_material = O.materials.append(FrictMat(density=density, label="side")), "side"
         if wall_damping > 0:
             self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
             self.shells = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS))
@@ -94,9 +98,12 @@ class ContactLaw:
     def _functors(self) -> list:
         return [self._between] if self._between is self._at_walls else [self._between, self._at_walls]
 
-    def _pairs(self, particle: float, wall: float) -> MatchMaker:
-        """A value for each pair of materials that can meet."""
-        return MatchMaker(matches=((self.particle, self.particle, particle), (self.wall, self.touching, wall)))
+    def _pairs(self, particle: float, wall: float, side: float | None = None) -> MatchMaker:
+        """A value for each pair of materials that can meet; that of the side walls is the other walls' by default."""
+        matches = [(self.particle, self.particle, particle), (self.wall, self.touching, wall)]
+        if self.side != self.wall:
+            matches.append((self.side, self.touching, wall if side is None else side))
+        return MatchMaker(matches=matches)
 
     def set_stiffness(self, fraction: float) -> None:
         """Use this fraction of the linear contacts' stiffness from now on, in old and new contacts."""
@@ -122,14 +129,17 @@ class ContactLaw:
 
     def set_friction(self, particle: float, wall: float) -> None:
         """Use these coefficients of friction from now on, in old and new contacts."""
+        side = wall * self.scenario["contact.side_friction_share"]
+        of_material = {self.wall: wall, self.side: side}
         for functor in self._functors:
-            functor.frictAngle = self._pairs(math.atan(particle), math.atan(wall))
+            functor.frictAngle = self._pairs(*map(math.atan, (particle, wall, side)))
         for i in O.interactions:
             if i.isReal:
-                i.phys.tangensOfFrictionAngle = wall if self._is_wall(i) else particle
+                first = O.bodies[i.id1].material.id  # YADE puts the wall first
+                i.phys.tangensOfFrictionAngle = of_material.get(first, particle)
 
     def _is_wall(self, interaction) -> bool:
-        return O.bodies[interaction.id1].material.id == self.wall  # YADE puts the wall first
+        return O.bodies[interaction.id1].material.id in (self.wall, self.side)
 
     def engines(self) -> list:
         """Collider and contact loop."""
@@ -179,6 +189,8 @@ def deviations(scenario) -> list[str]:
             found.append("The slip limit between particles includes the viscous part of the normal force.")
     elif scenario["contact.particle_particle.damping_ratio"] > 0:
         found.append("The slip limit between particles includes the dashpot's force.")
+    if scenario["contact.dashpot_limit"] != 1:
+        found.append("contact.dashpot_limit has no effect: YADE has no hysteretic dashpot that could be capped.")
     if scenario["contact.particle_wall.damping_ratio"] > 0:
         found.append("The slip limit at walls includes the dashpot's force.")
     return found

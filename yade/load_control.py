@@ -1,7 +1,8 @@
 """Sleeper and plates under load: one law each, force | pfc | fixed, evaluated at every step.
 
 force -- a small mass with drag: v += dt (F_target - F_contact - c v) / M
-pfc   -- v = gain (F_target - F_contact) / (k_n N_c dt), capped; N_c contacts, counted now and then
+pfc   -- v = gain (F_target - F_contact) / (k_n N_c dt), capped; N_c contacts, counted now and then; dt is the paper's
+         step (load_control.pfc_time_step), whatever step the run takes
 fixed -- does not move
 v is the velocity along the load: down for the sleeper, inward for the plates. The weight of the walls is not applied.
 """
@@ -58,6 +59,7 @@ class LoadControl:
         """`memory` is what `memory()` returned before the simulation was saved."""
         ids, grid = Apparatus.of(box), derived.time_grid(scenario)
         self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
+        self.gain_step = derived.pfc_time_step(scenario)
         self.sleeper = Wall(scenario, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
         self.plates = [
             Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
@@ -141,7 +143,7 @@ class LoadControl:
         v = (
             s["load_control.pfc_gain"]
             * (target - wall.force)
-            / (s["contact.particle_wall.normal_stiffness"] * wall.contacts * self.dt)
+            / (s["contact.particle_wall.normal_stiffness"] * wall.contacts * self.gain_step)
         )
         limit = s["load_control.pfc_velocity_limit"]
         return max(-limit, min(limit, v))

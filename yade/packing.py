@@ -29,7 +29,7 @@ def pack(run: stage.Stage, _) -> None:
     """Relax without friction under the lid, compact at high gravity, bring to rest at normal gravity."""
     s = run.scenario
     law = ContactLaw(s, run.model)
-    apparatus.build(run.box, "wall", law.wall_mask)
+    apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
     lid = apparatus.close_lid(run.box, "wall", law.wall_mask)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_start.csv"), law.shells)

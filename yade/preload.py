@@ -31,7 +31,7 @@ def preload(run: stage.Stage, _) -> None:
     s = run.scenario
     law = ContactLaw(s, run.model)
     write_aside(run.raw("deviations.json"), json.dumps(deviations(s), indent=1) + "\n")
-    apparatus.build(run.box, "wall", law.wall_mask)
+    apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_packed.csv"), law.shells)
     run.control = LoadControl(s, run.box, run.raw("preload.csv"))

@@ -9,21 +9,25 @@ import numpy as np
 import pandas as pd
 
 from analysis.normalised.readers import Run
-from analysis.scenarios.schema import NO_PHYSICS
+from analysis.scenarios.schema import KEYS
 
 SHARED_CYCLES = 5
 """Later ones are not compared: rounding alone drives two runs of one bed apart."""
 
 
 def changed_keys(one: Run, other: Run) -> list[str]:
-    """Parameters in which two runs differ, but for those that only say how long a run goes on and what it writes."""
-    return [
-        key
-        for key in one.scenario.parameters
-        if key in other.scenario.parameters
-        and one.scenario[key] != other.scenario[key]
-        and not key.startswith(NO_PHYSICS)
-    ]
+    """Parameters in which two runs differ, but for those that only say how long a run goes on and what it writes,
+    and where both started from one packed bed, how it was packed.
+    """
+    keys = one.scenario.changed_keys(other.scenario)
+    if _bed(one) is not None and _bed(one) == _bed(other):
+        keys = [key for key in keys if KEYS[key].matters("preload", "loading")]
+    return keys
+
+
+def _bed(run: Run) -> str | None:
+    """Checksum of the packed bed."""
+    return run.stages.get("packing", {}).get("bed_sha256")
 
 
 def ranks(run: Run) -> int:
@@ -48,13 +52,13 @@ def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
     """
     runs = [run for run in runs if len(run.cycles) and run.scenario is not None]
     runs.sort(key=lambda run: (ranks(run), run.scenario_name, -run.scenario["time.step"], run.code))
-    beds = [run.stages.get("packing", {}).get("bed_sha256") for run in runs]
+    beds = [_bed(run) for run in runs]
     found = []
     for n, one in enumerate(runs):
         for m, other in enumerate(runs[n + 1 :], start=n + 1):
             if beds[n] is None or beds[n] != beds[m]:
                 continue
-            differs = [key for key in changed_keys(one, other) if not key.startswith("packing.")]  # the bed is the same
+            differs = changed_keys(one, other)
             differs += ["code"] * (one.code != other.code) + ["ranks"] * (ranks(one) != ranks(other))
             if len(differs) == 1 and differs[0] in ("code", "time.step", "ranks"):
                 found.append(Pair(differs[0], one, other))

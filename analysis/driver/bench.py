@@ -15,8 +15,9 @@ from analysis.driver import record, run
 from analysis.driver.engines import CODES
 from analysis.driver.rawfiles import last_rows
 from analysis.files import ROOT, write_csv
+from analysis.scenarios.study import key_scenarios
 
-SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
+SCENARIOS = key_scenarios()
 PRELOADED = (
     "scenario.json",
     "run.json",

@@ -29,6 +29,7 @@ from analysis.normalised.readers import CALIBRATION
 from analysis.normalised.readers import Run as Result
 from analysis.scenarios import lattice
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
+from analysis.scenarios.study import key_scenarios
 
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35  # paper, Section 2 and Table 1
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
@@ -158,7 +159,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--scenario",
         nargs="+",
-        default=["linear-mu0.8", "nonlinear-en1.0"],
+        default=list(key_scenarios()),
         metavar="NAME",
         help="the first is run at each gap and aspect, the others at each aspect",
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -10,9 +11,9 @@ from analysis.arguments import Parser
 from analysis.driver import record
 from analysis.driver.locks import is_held
 from analysis.driver.progress import duration
-from analysis.driver.run import cycles_done
+from analysis.driver.run import cycles_done, run_folder
 from analysis.files import ROOT
-from analysis.scenarios import derived
+from analysis.scenarios import derived, study
 from analysis.scenarios.scenario import Scenario
 
 COLUMNS = (
@@ -29,7 +30,9 @@ COLUMNS = (
     "state",
     "reason",
 )
-RIGHT = {"seed", "cycle", "steps/s", "time left", "tracking %", "clumps"}
+RIGHT = {"done", "running", "failed", "cycles", "seed", "cycle", "steps/s", "time left", "tracking %", "clumps"}
+PEAK_REACHED = 0.95
+"""Least peak of the sleeper's stress over its target that counts as reached."""
 STALE_S = 60.0  # without a lock to ask (some network file systems), a heartbeat older than this means nobody runs it
 
 
@@ -62,6 +65,7 @@ def row(folder: Path) -> dict[str, str]:
         }
     state, reason = state_of(folder, body)
     scenario = Scenario.from_json((folder / "scenario.json").read_text())
+    reason = "; ".join(filter(None, (reason, load_not_reached(folder, scenario))))
     total, done, stage = scenario["loading.cycles"], cycles_done(folder), body["stage"]
     speed = body["timing"]["steps_per_second"].get(stage)
     left = ""
@@ -69,7 +73,7 @@ def row(folder: Path) -> dict[str, str]:
         left = duration((total * derived.time_grid(scenario).steps_per_cycle - body["steps"].get(stage, 0)) / speed)
     return {
         "profile": body["profile"],
-        "scenario": body["scenario"],
+        "scenario": scenario.id,
         "code": body["code"],
         "seed": str(body["seed"]),
         "stage": stage,
@@ -93,14 +97,62 @@ def _tracking(folder: Path, scenario: Scenario) -> str:
     return "" if worst is None else f"{100 * worst / scenario['loading.stress_max']:.2f}"
 
 
-def table(rows: list[dict[str, str]]) -> str:
+def load_not_reached(folder: Path, scenario: Scenario) -> str:
+    """What the load swung between in the last cycle, where its peak stayed below PEAK_REACHED of the target; else ''.
+
+    A result under PFC's servo, which is too slow for a soft bed; under the true load a sign that something is wrong.
+    """
+    try:
+        with open(folder / "cycles.csv", newline="") as file:
+            *_, last = csv.DictReader(file)
+        low, high = (float(last[f"sleeper_stress_{end}_Pa"]) for end in ("min", "max"))
+    except (FileNotFoundError, ValueError, KeyError):
+        return ""
+    least, most = scenario["loading.stress_min"], scenario["loading.stress_max"]
+    if high >= PEAK_REACHED * most:
+        return ""
+    return (
+        f"load not reached: {low / 1e3:.0f} to {high / 1e3:.0f} instead of {least / 1e3:.0f} to {most / 1e3:.0f} kPa "
+        f"in cycle {last['cycle']}"
+    )
+
+
+def table(rows: list[dict[str, str]], columns: Sequence[str] = COLUMNS) -> str:
     """Rows as text, columns aligned."""
-    widths = {column: max(len(column), *(len(r[column]) for r in rows)) for column in COLUMNS}
+    widths = {column: max(len(column), *(len(r[column]) for r in rows)) for column in columns}
 
     def line(cells: dict[str, str]) -> str:
         return "  ".join(cells[c].rjust(w) if c in RIGHT else cells[c].ljust(w) for c, w in widths.items()).rstrip()
 
-    return "\n".join([line({column: column for column in COLUMNS}), *map(line, rows)])
+    return "\n".join([line({column: column for column in columns}), *map(line, rows)])
+
+
+def study_table(results: Path) -> str:
+    """How much of the study's list (`make study`) is done, a line for each part."""
+    parts: dict[str, dict] = {}
+    for row in study.rows():
+        folder = run_folder(results, study.profile(), row.scenario, row.code, row.seed)
+        part = parts.setdefault(row.part, dict.fromkeys(("runs", "done", "failed", "running", "cycles", "asked"), 0))
+        done, body = min(cycles_done(folder), row.cycles), record.read(folder)
+        state = state_of(folder, body)[0] if body else ""
+        part["runs"] += 1
+        part["cycles"] += done
+        part["asked"] += row.cycles
+        if done == row.cycles:
+            part["done"] += 1
+        elif state in ("failed", "running"):
+            part[state] += 1
+    lines = [
+        {
+            "study": title,
+            "done": f"{part['done']}/{part['runs']}",
+            "running": str(part["running"] or ""),
+            "failed": str(part["failed"] or ""),
+            "cycles": f"{part['cycles']}/{part['asked']}",
+        }
+        for title, part in parts.items()
+    ]
+    return table(lines, ("study", "done", "running", "failed", "cycles"))
 
 
 def main(argv: list[str]) -> int:
@@ -110,4 +162,6 @@ def main(argv: list[str]) -> int:
     results = parser.parse_args(argv).results
     rows = [row(folder) for folder in runs(results)]
     print(table(rows) if rows else f"no runs in {results} yet; `make demo` makes the first ones")
+    if any(row["profile"] == study.profile() for row in rows):
+        print("\n" + study_table(results))
     return 0

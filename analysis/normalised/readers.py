@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.normalised import beds, microstructure, stages, tables
-from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
+from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
 from analysis.scenarios.schema import KEYS
 
 IDENTITY = ("profile", "scenario", "code", "seed")
@@ -29,6 +29,7 @@ CALIBRATION = "calibration"
 
 _INFO_TYPES = {
     "scenario": str,
+    "variant": str,
     "profile": str,
     "code": str,
     "scenario_hash": str,
@@ -127,9 +128,21 @@ class Run:
         parts = (["", "", ""] + self.id.split("/"))[-3:]
         name, _, seed = parts[2].partition("-seed")
         self.profile: str = self.info.get("profile") or parts[0]
-        self.scenario_name: str = self.info.get("scenario") or parts[1]
+        self.scenario_name: str = join_id(
+            self.info.get("scenario") or parts[1], split_variants(self.info.get("variant", ""))
+        )
         self.code: str = self.info["code"] if self.info.get("code") in tables.CODES else name
         self.seed: int = self.info.get("seed", int(seed) if seed.isdigit() else 1)
+
+    @property
+    def base_name(self) -> str:
+        """The scenario without its variants; `scenario_name` is both: nonlinear-en1.0+same-bed+servo."""
+        return split_id(self.scenario_name)[0]
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Variants that are laid over the scenario, in the order of the alphabet."""
+        return split_id(self.scenario_name)[1]
 
     def __repr__(self) -> str:
         return f"<Run {self.id}: {self.info.get('state', 'state unknown')}, {len(self.cycles)} cycles>"
@@ -177,13 +190,8 @@ class Run:
         except ScenarioError as error:
             self._problem("scenario.json", f"is of no use, and {_one_line(error)}")
             return None
-        cycles = len(self.cycles)
         known = self.info.get("scenario_hash")
-        candidates = [scenario] + ([load_scenario(self.scenario_name, self.profile, cycles=cycles)] if cycles else [])
-        for candidate in candidates:
-            if candidate.hash == known:
-                return candidate
-        if known:
+        if known and scenario.hash != known:
             self._problem(
                 "run.json",
                 f"scenario_hash {known} is not that of today's scenario file: its parameters may differ from the run's",
@@ -192,7 +200,7 @@ class Run:
 
     def _completed(self, scenario: Scenario) -> Scenario:
         """Parameters that are newer than the run come from today's scenario file."""
-        newer = [key for key in KEYS if key not in scenario.parameters]
+        newer = [key for key, known in KEYS.items() if known.since and key not in scenario.parameters]
         if newer:
             today = load_scenario(self.scenario_name, self.profile)
             scenario.parameters.update({key: today.parameters[key] for key in newer})

@@ -19,7 +19,7 @@ from analysis.comparison import codes
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.labels import SENSITIVITY, short_name
+from analysis.report.labels import is_varied, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
 from analysis.scenarios.scenario import Scenario
 
@@ -109,12 +109,12 @@ class Gallery:
     def _shades(runs: Runs, order: Sequence[str]) -> dict[str, tuple[str, float]]:
         """Scenario -> (family, level): members of a family go from pale to deep in the order of the scenario file.
 
-        Sensitivity scenarios share a family of their own, so that they do not crowd the others.
+        Variants share a family of their own, so that they do not crowd the others.
         """
         families: dict[str, list[str]] = {}
         setups = {run.scenario_name: run.scenario for run in runs}
         for name in [*order, *sorted(set(setups) - set(order))]:
-            if SENSITIVITY.fullmatch(name):
+            if is_varied(name):
                 family = "other"
             else:
                 family = _family_by_name(name) if setups.get(name) is None else family_of(setups[name])

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import re
+from analysis.scenarios.scenario import label_of, split_id
 
 MM, KPA = 1e3, 1e-3
-
-SENSITIVITY = re.compile(r"(.+)-(same-bed|half-step|plates-\w+)")
-"""Scenarios of scenarios.toml that only change one assumption of another one."""
 
 SPHERE_NAMES = ("rail seat", "middle", "shoulder")
 
@@ -21,23 +18,18 @@ SOURCE_NAMES = {
 
 
 def basis_of(scenario: str) -> str:
-    """The scenario of which one assumption is changed, or the scenario itself."""
-    varied = SENSITIVITY.fullmatch(scenario)
-    return varied[1] if varied else scenario
+    """The scenario of an id without its variants."""
+    return split_id(scenario)[0]
+
+
+def is_varied(scenario: str) -> bool:
+    """True where the id of a scenario names a variant."""
+    return bool(split_id(scenario)[1])
 
 
 def short_name(scenario: str) -> str:
-    """`linear-mu0.8` as a reader of the paper writes it: linear μ 0.8."""
-    if varied := SENSITIVITY.fullmatch(scenario):
-        return f"{short_name(varied[1])}, {varied[2].replace('-', ' ')}"
-    for pattern, text in (
-        (r"linear-mu([\d.]+)", r"linear μ \1"),
-        (r"nonlinear-en1(?:\.0)?", "nonlinear eₙ 1"),
-        (r"nonlinear-md(\d)-en([\d.]+)", r"M_d \1, eₙ \2"),
-    ):
-        if re.fullmatch(pattern, scenario):
-            return re.sub(pattern, text, scenario).replace("M_d ", "Md ")
-    return scenario
+    """The label of scenarios.toml: `linear-mu0.8+servo` is linear μ 0.8, PFC servo."""
+    return label_of(scenario)
 
 
 def reference_name(kind: str, source: str, curve: str) -> str:

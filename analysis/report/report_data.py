@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,13 +15,23 @@ from analysis.driver import calibrate, status
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figure import Gallery
-from analysis.report.labels import SENSITIVITY, short_name
+from analysis.report.labels import is_varied, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
+from analysis.scenarios.study import key_scenarios
 
-KEY_SCENARIOS = ("linear-mu0.8", "nonlinear-en1.0")
+
+def _named(ask: Callable[[], Sequence[str]]) -> tuple[str, ...]:
+    """What the scenario file names; nothing where it cannot be read."""
+    try:
+        return tuple(ask())
+    except ScenarioError:
+        return ()
+
+
+KEY_SCENARIOS = _named(key_scenarios)
 """The two the paper's discussion rests on; the overview shows them, and scenarios that are not the paper's."""
-PAPER_SCENARIO = re.compile(r"linear-mu0\.[789]|nonlinear-en1\.0|nonlinear-md[012]-en0\.[0369]")
+PAPER_SCENARIOS = _named(lambda: scenario_names(group="paper"))
 PROFILE_TEXT = {
     "full": ("The full-size bed", "The paper's box and sleeper."),
     "demo": (
@@ -121,18 +131,15 @@ def tracking_percent(run: Run) -> float:
 
 def known_scenarios() -> list[str]:
     """Names in the scenario file; none where it cannot be read."""
-    try:
-        return scenario_names()
-    except ScenarioError:
-        return []
+    return list(_named(scenario_names))
 
 
 def is_variant(run: Run) -> bool:
-    """True for a run made for one comparison: of a sensitivity scenario, or given another run's bed on the command
+    """True for a run made for one comparison: of a variant, or given another run's bed on the command
     line.
     """
     given = not str(run.info.get("bed", "own")).startswith(("own", "../../"))
-    return given or bool(SENSITIVITY.fullmatch(run.scenario_name))
+    return given or is_varied(run.scenario_name)
 
 
 def overview_runs(data: ReportData, profile: str) -> tuple[Runs, str]:
@@ -140,9 +147,7 @@ def overview_runs(data: ReportData, profile: str) -> tuple[Runs, str]:
     runs = data.of(profile)
     if len({run.scenario_name for run in runs}) <= 3:
         return runs, ""
-    chosen = Runs(
-        run for run in runs if run.scenario_name in KEY_SCENARIOS or not PAPER_SCENARIO.fullmatch(run.scenario_name)
-    )
+    chosen = Runs(run for run in runs if run.scenario_name in KEY_SCENARIOS or run.scenario_name not in PAPER_SCENARIOS)
     chosen = chosen or runs
     others = sorted({run.scenario_name for run in runs} - {run.scenario_name for run in chosen})
     return chosen, (f"Not drawn here but on the page Figures: {', '.join(others)}." if others else "")

@@ -38,9 +38,13 @@ def _same(key: str) -> Callable[[Scenario], float]:
     return lambda s: s[key]
 
 
+def _dashpot_mass(s: Scenario) -> float:
+    """Mass of a sphere as its dashpots see it, kg."""
+    return derived.clump(s).mass_kg * s["contact.dashpot_mass_share"]
+
+
 def _pair_mass(s: Scenario) -> float:
-    mass = derived.clump(s).mass_kg
-    return laws.effective_mass(mass, mass)
+    return laws.effective_mass(_dashpot_mass(s), _dashpot_mass(s))
 
 
 def _hertz(s: Scenario) -> float:
@@ -82,9 +86,7 @@ def _viscous(s: Scenario) -> float:
 
 
 def _wall_dashpot(s: Scenario) -> float:
-    return laws.linear_dashpot_coefficient(
-        s[PW + "damping_ratio"], derived.clump(s).mass_kg, s[PW + "normal_stiffness"]
-    )
+    return laws.linear_dashpot_coefficient(s[PW + "damping_ratio"], _dashpot_mass(s), s[PW + "normal_stiffness"])
 
 
 def _pair_dashpot(s: Scenario) -> float:
@@ -216,10 +218,11 @@ CONVERSIONS = (
     Conversion(
         "clump.density",
         "both",
-        "`state.mass` of clump and of its spheres = density x volume of the union",
+        "`state.mass` of the clump = density x volume of the union; of its spheres, as dashpots see it, times "
+        "`contact.dashpot_mass_share`",
         "`place_clumps mass`; mass of each sphere as the dashpot sees it, the same",
         "sphere.mass",
-        lambda s: derived.clump(s).mass_kg,
+        _dashpot_mass,
         "sphere_mass",
         lambda s: derived.clump(s).mass_kg,
     ),

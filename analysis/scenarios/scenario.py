@@ -68,9 +68,7 @@ class Scenario:
         """A copy with one value changed, for calibration and sensitivity studies; its status becomes `assumed`."""
         old = self.parameters[key]
         new = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
-        return Scenario(
-            self.name, self.profile, self.title, self.parameters | {key: new}, self.variants, self.label
-        )
+        return Scenario(self.name, self.profile, self.title, self.parameters | {key: new}, self.variants, self.label)
 
     @property
     def hash(self) -> str:
@@ -189,11 +187,17 @@ def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
 
 def _read(path: Path) -> dict:
     try:
-        with open(path, "rb") as file:
-            content = tomllib.load(file)
+        text = path.read_bytes()
     except OSError as error:
         reason = f"cannot be read ({error.strerror}); give the path of a scenario file"
         raise ScenarioError(f"{path.name}: {reason}") from None
+    return _parsed(path, text)
+
+
+@functools.lru_cache(maxsize=8)  # a study loads a hundred scenarios of one file
+def _parsed(path: Path, text: bytes) -> dict:
+    try:
+        content = tomllib.loads(text.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
     content = {"variant": {}, "study": {}} | content
@@ -310,7 +314,13 @@ def _made(parameters: dict[str, Parameter]) -> dict[str, Parameter]:
     step = parameters[chosen]
     status = step.status if factor == 1 else parameters["time.factor"].status
     text = chosen + ("" if factor == 1 else f" x {factor:g}")
-    return parameters | {"time.step": Parameter(step.value * factor, step.unit, status, f"{text}: {step.source}")}
+    made = {"time.step": Parameter(step.value * factor, step.unit, status, f"{text}: {step.source}")}
+    ordered: dict[str, Parameter] = {}
+    for key, parameter in parameters.items():
+        ordered[key] = parameter
+        if key == "time.factor":
+            ordered |= made
+    return ordered
 
 
 def _unknown(path: Path, section: str, known: dict, name: str) -> ScenarioError:

@@ -211,7 +211,7 @@ KEYS: dict[str, Key] = {
     "contact.particle_wall.shear_stiffness": _from_zero("N/m"),
     "contact.particle_wall.damping_ratio": _from_zero("-", 0.99),
     "contact.particle_wall.friction": _from_zero("-", 5),
-    "contact.particle_wall.side_friction_share": _neutral(1.0, _from_zero("-", 1)),
+    "contact.side_friction_share": _neutral(1.0, _from_zero("-", 1)),
     **_read_by(
         "",
         "",

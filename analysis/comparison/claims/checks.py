@@ -23,8 +23,9 @@ from analysis.comparison.claims.claimed_quantities import (
 )
 from analysis.comparison.claims.evidence import Check, Evidence, Measured, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
+from analysis.scenarios.study import key_scenarios
 
-LINEAR, NONLINEAR = "linear-mu0.8", "nonlinear-en1.0"
+LINEAR, NONLINEAR = key_scenarios()
 
 
 def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:

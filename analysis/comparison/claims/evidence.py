@@ -18,7 +18,6 @@ from analysis.comparison.claims.uncertainty import Estimate, coverage, pooled, p
 from analysis.comparison.quantities import last_cycle
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
-from analysis.scenarios.schema import NO_PHYSICS
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable yet"
 
@@ -259,11 +258,7 @@ def _notes(runs: Iterable) -> tuple[str, ...]:
             today = load_scenario(run.scenario_name, run.profile)
         except ScenarioError:
             continue
-        changed = [
-            line
-            for line in (today.differences(run.scenario) if run.scenario else [])
-            if not line.startswith(NO_PHYSICS)
-        ]
+        changed = today.changes(run.scenario) if run.scenario else []
         if changed:
             more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
             note = f"made with other parameters than today's (today -> then): {'; '.join(changed[:3])}{more}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,9 +21,11 @@ from analysis.report.labels import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Column, Table, number, plural, shown
 from analysis.scenarios import derived
-from analysis.scenarios.scenario import Scenario, load_scenario
+from analysis.scenarios.scenario import Scenario, join_id, load_scenario
 from analysis.scenarios.schema import STATUSES
 
+PLATE_VARIANTS = ("plates-fixed", "plates-pfc")
+"""Variants of the law that holds the plates."""
 STATUS_KIND = {"reported": "good", "derived": "calm", "assumed": "open", "calibrated": "bad"}
 
 STATUS_TEXT = {
@@ -39,7 +40,7 @@ def assumptions(data: ReportData) -> dict:
     """Every parameter with status and source, and what runs say about the assumed ones."""
     names = known_scenarios()
     scenarios = {name: load_scenario(name, "full") for name in names}
-    base = scenarios.get(KEY_SCENARIOS[0]) or next(iter(scenarios.values()), None)
+    base = scenarios.get(next(iter(KEY_SCENARIOS), "")) or next(iter(scenarios.values()), None)
     groups: dict[str, list] = {}
     for key, p in (base.parameters if base else {}).items():
         section = key.rpartition(".")[0]
@@ -138,8 +139,8 @@ def plate_laws(data: ReportData) -> list[dict]:
     ]
     for profile in data.profiles:
         for base in KEY_SCENARIOS:
-            named = re.compile(re.escape(base) + r"(-plates-\w+)?")
-            members = [run for run in runs if run.profile == profile and named.fullmatch(run.scenario_name)]
+            laws = [base, *(join_id(base, [variant]) for variant in PLATE_VARIANTS)]
+            members = [run for run in runs if run.profile == profile and run.scenario_name in laws]
             varied = {run.code for run in members if run.scenario_name != base}
             members = [run for run in members if run.code in varied]
             if not members:
@@ -289,7 +290,6 @@ def sensitivity(data: ReportData) -> tuple[Table, str]:
                 ]
             )
     return table, (
-        "No two runs of one code and seed differ in just one assumed or calibrated parameter yet. Add a scenario to "
-        "scenarios.toml that is based on another and changes "
-        "one such value, run it, and it is listed here."
+        "No two runs of one code and seed differ in just one assumed or calibrated parameter yet. Run a variant of "
+        "scenarios.toml that changes one such value (VARIANT=...), and it is listed here."
     )

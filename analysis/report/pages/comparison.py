@@ -302,8 +302,8 @@ def same_bed_parts(data: ReportData, profile: str) -> list[dict]:
         for (basis, bed), found in same_bed_groups(data, profile).items()
     ]
     missing = {
-        "missing": "It needs linear-mu0.8 and linear-mu0.8-half-step in LIGGGHTS and linear-mu0.8-same-bed in YADE "
-        "(and in LIGGGHTS with NP=2 for the rounding), or any runs of one scenario from one bed (BED=…)."
+        "missing": "It needs a scenario in LIGGGHTS, plain and with VARIANT=half-step, and in YADE with "
+        "VARIANT=same-bed (and in LIGGGHTS with NP=2 for the rounding), or any runs of one scenario from one bed (BED=…)."
     }
     parts = parts or [missing]
     parts[0] |= {

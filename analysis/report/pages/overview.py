@@ -11,7 +11,8 @@ from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
 from analysis.report.report_data import (
-    PAPER_SCENARIO,
+    KEY_SCENARIOS,
+    PAPER_SCENARIOS,
     PROFILE_TEXT,
     ReportData,
     known_scenarios,
@@ -67,7 +68,7 @@ def overview_section(data: ReportData, profile: str) -> dict:
     picture_runs = [run for run in runs if (run.folder / "bed_after.csv").exists() and run.code == "liggghts"] or [
         run for run in runs if (run.folder / "bed_after.csv").exists()
     ]
-    best = max(picture_runs, key=lambda run: (run.scenario_name == "nonlinear-en1.0", last_cycle(run)), default=None)
+    best = max(picture_runs, key=lambda run: (run.scenario_name in KEY_SCENARIOS[1:], last_cycle(run)), default=None)
     picture = (
         bed_figure(
             g,
@@ -304,10 +305,12 @@ def pending(data: ReportData, verdicts: Sequence) -> list[str]:
         missing = [
             name
             for name in known_scenarios()
-            if PAPER_SCENARIO.fullmatch(name) and name not in {run.scenario_name for run in full}
+            if name in PAPER_SCENARIOS and name not in {run.scenario_name for run in full}
         ]
         if missing:
-            lines.append(f"{len(missing)} of the paper's 14 scenarios have no full-size run: {', '.join(missing)}.")
+            lines.append(
+                f"{len(missing)} of the paper's {len(PAPER_SCENARIOS)} scenarios have no full-size run: {', '.join(missing)}."
+            )
         short = [run for run in full if last_cycle(run) < 1000]
         if short:
             which = "No full-size run has" if len(short) == len(full) else f"{len(short)} full-size runs have not"

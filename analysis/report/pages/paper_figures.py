@@ -11,7 +11,7 @@ from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
 from analysis.report.report_data import (
     KEY_SCENARIOS,
-    PAPER_SCENARIO,
+    PAPER_SCENARIOS,
     ReportData,
     known_scenarios,
     name_of,
@@ -112,9 +112,7 @@ def paper_figures(data: ReportData) -> dict:
             "title": "Figure 13: porosity",
             "missing": waits,
             "figures": [
-                sphere_figure(g, load_scenario("linear-mu0.8", "full"))
-                if "linear-mu0.8" in known_scenarios()
-                else None,
+                sphere_figure(g, load_scenario(KEY_SCENARIOS[0], "full")) if KEY_SCENARIOS else None,
                 porosity_figure(
                     g,
                     Runs(run for name in by_name if name in KEY_SCENARIOS for run in by_name[name]),
@@ -151,7 +149,7 @@ def paper_figures(data: ReportData) -> dict:
             "missing": "",
         }
     )
-    others = Runs(run for run in runs if not PAPER_SCENARIO.fullmatch(run.scenario_name))
+    others = Runs(run for run in runs if run.scenario_name not in PAPER_SCENARIOS)
     if others:
         groups.append(
             {

@@ -55,6 +55,7 @@ class LoadedColumn:
             load_control__sleeper_law=law,
             load_control__plate_law="fixed",
             load_control__pfc_contact_floor=1,
+            load_control__pfc_time_step=0.0,
             load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
             load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
             loading__cycles=2,
@@ -181,7 +182,7 @@ def expected_response(scenario: Scenario, law: str) -> tuple[complex, complex]:
     else:
         contacts = 2
         speed_per_force = scenario["load_control.pfc_gain"] / (
-            scenario["contact.particle_wall.normal_stiffness"] * contacts * derived.time_grid(scenario).step_s
+            scenario["contact.particle_wall.normal_stiffness"] * contacts * derived.pfc_time_step(scenario)
         )
         system[LAYERS, LAYERS] += 1j * omega / speed_per_force
     # the stress is mean - amplitude cos(omega t)

@@ -1,0 +1,119 @@
+"""`make study`: the list of [study] in the scenario file, made by make's own job queue.
+
+    python -m analysis study --list          # the list
+    python -m analysis study --make          # the list as rules for make: make -j2 study
+    python -m analysis study --row NAME      # one row: goes on with it, answers at once when it is done
+
+A run that diverged is a result: it is not tried again.
+"""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+from analysis.arguments import Parser
+from analysis.driver import record, run
+from analysis.driver.status import table
+from analysis.files import ROOT
+from analysis.scenarios import study
+from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError
+
+COLUMNS = ("part", "scenario", "code", "seed", "cycles", "bed", "done")
+DIVERGED = "diverged: "
+"""How the reason of a run that left the physical begins in run.json."""
+
+
+def settled(folder: Path, cycles: int) -> str:
+    """Why there is nothing left to do in the run's folder for a row of that many cycles; empty where there is."""
+    done, body = run.cycles_done(folder), record.read(folder) or {}
+    if done >= cycles:
+        return f"done: {done} cycles in {folder}"
+    if body.get("state") == "failed" and str(body.get("reason")).startswith(DIVERGED):
+        return f"ended after {done} of {cycles} cycles, which is a result: {body['reason']}; {folder}"
+    return ""
+
+
+def listing(rows: list[study.Row], folder_of) -> str:
+    """The rows as a table."""
+    lines = []
+    for row in rows:
+        cells = {name: str(getattr(row, name)) for name in COLUMNS[:-1]}
+        lines.append(cells | {"done": str(min(row.cycles, run.cycles_done(folder_of(row))) or "")})
+    return table(lines, COLUMNS)
+
+
+def makefile(rows: list[study.Row], command: str) -> str:
+    """Rules for make: a target per row, in order; a row that asks for more cycles of a run waits for the one before."""
+    waits, before = [], {}
+    for row in rows:
+        if row.run in before:
+            waits.append(f"{row.name}: {before[row.run]}")
+        before[row.run] = row.name
+    names = " ".join(row.name for row in rows)
+    return "\n".join(
+        [
+            f"rows := {names}",
+            ".PHONY: study $(rows)",
+            "study: $(rows)",
+            "$(rows):",
+            f"\t@{command} --row $@",
+            *waits,
+            "",
+        ]
+    )
+
+
+def main(argv: list[str]) -> int:
+    """Command line of `make study`; exit code of --row as that of `run`."""
+    parser = Parser(prog="python -m analysis study", description=__doc__.split("\n\n")[0])
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--list", action="store_true", help="print the list (default)")
+    what.add_argument("--make", action="store_true", help="print the list as rules for make")
+    what.add_argument("--row", metavar="NAME", help="make one row of the list")
+    what.add_argument("--array", type=int, metavar="N", help="make the Nth run (from 0), for the arrays of a scheduler")
+    what.add_argument("--count", action="store_true", help="how many runs --array knows")
+    parser.add_argument("--profile", help="instead of the study's")
+    parser.add_argument("--ranks", default="1")
+    parser.add_argument("--results", type=lambda text: Path(text).resolve(), default=ROOT / "results")
+    parser.add_argument("--scenarios", type=lambda text: Path(text).resolve(), default=SCENARIO_FILE)
+    options = parser.parse_args(argv)
+    try:
+        rows = study.rows(options.scenarios)
+        profile = options.profile or study.profile(options.scenarios)
+    except ScenarioError as error:
+        print(error, file=sys.stderr)
+        return 1
+
+    def folder_of(row: study.Row) -> Path:
+        return run.run_folder(options.results, profile, row.scenario, row.code, row.seed)
+
+    if options.make:
+        flags = ["--ranks", options.ranks, "--results", str(options.results), "--scenarios", str(options.scenarios)]
+        flags += ["--profile", options.profile] if options.profile else []
+        print(makefile(rows, shlex.join([sys.executable, "-m", "analysis", "study", *flags])), end="")
+        return 0
+    if options.count:
+        print(len(study.final_rows(options.scenarios)))
+        return 0
+    if options.row is None and options.array is None:
+        print(listing(rows, folder_of))
+        return 0
+
+    if options.array is None:
+        chosen = [row for row in rows if row.name == options.row]
+    else:
+        chosen = study.final_rows(options.scenarios)[options.array : options.array + 1] if options.array >= 0 else []
+    if not chosen:
+        print("study: no such row; `python -m analysis study --list` prints them", file=sys.stderr)
+        return 2
+    (row,) = chosen
+    if text := settled(folder_of(row), row.cycles):
+        print(f"{row.scenario} {row.code} {profile}{f' seed {row.seed}' if row.seed != 1 else ''} | {text}")
+        return 0
+    return run.main(
+        [row.scenario, "--code", row.code, "--seed", str(row.seed), "--cycles", str(row.cycles), "--profile", profile]
+        + ["--ranks", options.ranks, "--results", str(options.results), "--scenarios", str(options.scenarios)]
+        + ["--progress", "lines"]
+    )
