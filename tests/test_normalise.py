@@ -340,7 +340,8 @@ def test_missing_rows_and_wrong_order(run):
         normaliser.cycle(2)
     path = run / "raw" / "cyclic.csv"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:50]))
-    with pytest.raises(NormaliseError, match="row of step 17216 is missing"):
+    end = derived.time_grid(scenario_of(run)).steps_per_cycle
+    with pytest.raises(NormaliseError, match=f"row of step {end} is missing"):
         Normaliser(run, scenario_of(run)).cycle(1)
 
 

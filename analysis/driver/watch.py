@@ -9,8 +9,8 @@ from analysis.files import Row
 from analysis.scenarios import derived
 
 LOAD_REACHED = 0.5
-"""Least peak of a cycle's sleeper stress over its target; below it the cycle did not load the bed. Under PFC's servo that
-is a result, which the report and `make status` show: the servo cannot follow 20 Hz on a soft bed.
+"""Least peak of a cycle's sleeper stress over its target; below it the cycle did not load the bed. Under PFC's servo
+that is a result, which the report and `make status` show: the servo cannot follow 20 Hz on a soft bed.
 """
 
 

@@ -21,7 +21,6 @@ from analysis.files import ROOT, write_aside
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import style
-from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
 from analysis.report.figure import Gallery
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.claims import claims_page
@@ -30,6 +29,7 @@ from analysis.report.pages.overview import overview
 from analysis.report.pages.paper_figures import paper_figures
 from analysis.report.pages.runs import runs_page
 from analysis.report.pages.verification import verification
+from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
 from analysis.report.tables import plural
 from analysis.scenarios.scenario import ScenarioError
 

@@ -40,8 +40,8 @@ def render() -> str:
         "SI units; x along the sleeper, y along the track, z up; settlement positive downward.\n\n" + _statuses(base),
         "## Base\n\n" + "\n".join(_section(name, dict(keys)) for name, keys in groupby(base.items(), _section_name)),
         "## Scenarios\n\nWhere a scenario differs from the base.\n\n" + _scenarios(base, scenarios),
-        "## Variants\n\nA variant can be laid over any scenario; it starts from the packed bed of its scenario unless it changes "
-        "box, clumps or packing.\n\n" + _variants(),
+        "## Variants\n\nA variant can be laid over any scenario. It starts from its scenario's packed bed, unless it "
+        "changes box, clumps or packing.\n\n" + _variants(),
         "## Profiles\n\nA profile changes size and length only.\n\n" + _profiles(),
         "## What follows\n\nFor the full bed.\n\n" + _derived(scenarios),
         conversions.markdown(),

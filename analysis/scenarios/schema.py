@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 STATUSES = ("reported", "derived", "assumed", "calibrated")
 STAGES = ("packing", "preload", "loading", "output", "limit")
-"""In the order of a run. `output` is what a run writes, `limit` how far it goes and when it stops: neither is physics."""
+"""In the order of a run. `output` is what a run writes, `limit` how far it goes and when it stops: no physics."""
 PROFILE_KEYS = (
     "geometry.width_scale",
     "packing.lattice_gap",
@@ -222,7 +222,9 @@ KEYS: dict[str, Key] = {
             "time.factor": _positive("-", 10),
         },
     ),
-    "time.step": replace(_positive("s", 1e-3), made="time.paper_step or time.verified_step, as time.choice says, times time.factor"),
+    "time.step": replace(
+        _positive("s", 1e-3), made="time.paper_step or time.verified_step, as time.choice says, times time.factor"
+    ),
     "output.rows_per_cycle": Key("-", int, 40),  # these two make the time grid
     "output.blocks_per_cycle": _positive("-", kind=int),
     **_read_by(

@@ -13,11 +13,11 @@ from analysis.comparison.same_bed import changed_keys, ranks
 from analysis.driver import calibrate
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios, name_of
 from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.labels import KPA, MM, short_name
+from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios, name_of
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Column, Table, number, plural, shown
 from analysis.scenarios import derived

@@ -9,6 +9,11 @@ import pandas as pd
 
 from analysis.comparison import codes, quantities, same_bed
 from analysis.comparison.quantities import last_cycle
+from analysis.report.figures.lateral import PROFILE_CYCLES
+from analysis.report.figures.load import loop_figure, stroke_figure
+from analysis.report.figures.microstructure import microstructure_figure
+from analysis.report.figures.same_bed import same_bed_figure
+from analysis.report.labels import MM, basis_of, short_name
 from analysis.report.report_data import (
     PROFILE_TEXT,
     ReportData,
@@ -16,11 +21,6 @@ from analysis.report.report_data import (
     name_of,
     overview_runs,
 )
-from analysis.report.figures.lateral import PROFILE_CYCLES
-from analysis.report.figures.load import loop_figure, stroke_figure
-from analysis.report.figures.microstructure import microstructure_figure
-from analysis.report.figures.same_bed import same_bed_figure
-from analysis.report.labels import MM, basis_of, short_name
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
 
@@ -303,7 +303,8 @@ def same_bed_parts(data: ReportData, profile: str) -> list[dict]:
     ]
     missing = {
         "missing": "It needs a scenario in LIGGGHTS, plain and with VARIANT=half-step, and in YADE with "
-        "VARIANT=same-bed (and in LIGGGHTS with NP=2 for the rounding), or any runs of one scenario from one bed (BED=…)."
+        "VARIANT=same-bed (and in LIGGGHTS with NP=2 for the rounding), or any runs of one scenario from one bed "
+        "(BED=…)."
     }
     parts = parts or [missing]
     parts[0] |= {

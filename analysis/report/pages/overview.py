@@ -10,6 +10,15 @@ from analysis.comparison.claims import evidence
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
+from analysis.report.figure import family_of
+from analysis.report.figures.beds import bed_figure
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.load import tracking_figure
+from analysis.report.figures.porosity import porosity_figure
+from analysis.report.figures.settlement import settlement_figure
+from analysis.report.labels import MM, SOURCE_NAMES, short_name
+from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table, same_bed_groups
+from analysis.report.pages.runs import runs_table
 from analysis.report.report_data import (
     KEY_SCENARIOS,
     PAPER_SCENARIOS,
@@ -20,15 +29,6 @@ from analysis.report.report_data import (
     overview_runs,
     tracking_percent,
 )
-from analysis.report.figures.beds import bed_figure
-from analysis.report.figure import family_of
-from analysis.report.figures.lateral import lateral_figure
-from analysis.report.figures.load import tracking_figure
-from analysis.report.figures.porosity import porosity_figure
-from analysis.report.figures.settlement import settlement_figure
-from analysis.report.labels import MM, SOURCE_NAMES, short_name
-from analysis.report.pages.comparison import AGREEMENT_BRIEF, agreement_table, same_bed_groups
-from analysis.report.pages.runs import runs_table
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import GRAVITY, number, plural
 from analysis.scenarios import derived
@@ -309,7 +309,8 @@ def pending(data: ReportData, verdicts: Sequence) -> list[str]:
         ]
         if missing:
             lines.append(
-                f"{len(missing)} of the paper's {len(PAPER_SCENARIOS)} scenarios have no full-size run: {', '.join(missing)}."
+                f"{len(missing)} of the paper's {len(PAPER_SCENARIOS)} scenarios have no full-size run: "
+                f"{', '.join(missing)}."
             )
         short = [run for run in full if last_cycle(run) < 1000]
         if short:

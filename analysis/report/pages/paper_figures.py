@@ -9,22 +9,21 @@ from analysis.comparison import against_published, settlement_fits
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
-from analysis.report.report_data import (
-    KEY_SCENARIOS,
-    PAPER_SCENARIOS,
-    ReportData,
-    known_scenarios,
-    name_of,
-    overview_runs,
-)
-from analysis.report.figures.beds import bed_figure
 from analysis.report.figure import Figure, Gallery, family_of
+from analysis.report.figures.beds import bed_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
 from analysis.report.figures.settlement import settlement_figure, shape_figure
 from analysis.report.labels import MM, MODE_NAMES, SOURCE_NAMES, short_name
+from analysis.report.report_data import (
+    KEY_SCENARIOS,
+    PAPER_SCENARIOS,
+    ReportData,
+    name_of,
+    overview_runs,
+)
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, interval, number
 from analysis.scenarios.scenario import load_scenario
