@@ -174,11 +174,16 @@ def settling_rates(run) -> pd.DataFrame:
 
 
 def settling_trend(run) -> str:
-    """Whether a run's settling slows down: "slowing", "steady", "growing", or "" with too few cycles to say.
+    """Whether a run's settling slows down, see `trend_of`."""
+    return trend_of(settling_rates(run)["settlement_rate_m"])
 
-    From the last span of `settling_rates` over the one before: below 0.8 it slows down, above 1.25 it grows.
+
+def trend_of(rates: Sequence[float]) -> str:
+    """Whether settling slows down: "slowing", "steady", "growing", or "" with too few spans to say.
+
+    From the last of the rates (of `settling_rates`) over the one before: below 0.8 it slows down, above 1.25 it grows.
     """
-    rates = settling_rates(run)["settlement_rate_m"].to_numpy()
+    rates = np.asarray(rates, dtype=float)
     if len(rates) < 3 or not np.isfinite(rates[-2:]).all() or rates[-2] <= 0:
         return ""
     ratio = rates[-1] / rates[-2]

@@ -1,0 +1,267 @@
+"""LIGGGHTS against YADE: each code from beds of its own, and both from one bed.
+
+A difference is judged by its confidence interval. The scatter between seeds is pooled as a share of the mean over all
+scenarios of one contact model and reading, so that it is known better than from one scenario's two or three seeds; a
+code with one bed is taken to scatter as much as the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from analysis.comparison import quantities, same_bed
+from analysis.comparison.findings.members import Member, groups
+from analysis.normalised.tables import CODES
+
+CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+"""After which runs are compared, where they reach them."""
+
+AGREES, DIFFERS, OPEN = "agrees", "differs", "cannot tell yet"
+
+AGREES_WITHIN = 0.25
+"""Two codes agree where the whole interval of their difference is within this share of their mean. Assumed: half of what
+beds of one recipe differ by."""
+
+COMPARED = (
+    "settlement_m",
+    "settlement_peak_m",
+    "lateral_mean_m",
+    "resilient_stroke_m",
+    "secant_stiffness_N_m",
+    "loop_energy_J",
+    "porosity_1",
+    "porosity_2",
+    "porosity_3",
+    "coordination_number",
+    "overlap_mean_m",
+    "overlap_max_ratio",
+    "rotation_mean_rad",
+    "sliding_share",
+    "at_limit_share",
+    "bulge_volume_m3",
+    "shoulder_displacement_m",
+    "crib_heave_m",
+)
+"""What is compared. Left out: what is equal by construction (number of clumps, load) and what a run is held to (tracking
+error)."""
+
+VALUES = ("profile", "scenario", "reading", "code", "quantity", "cycle", "unit", "mean", "low", "high", "beds")
+
+
+def run_values(m: Member, cycles: Sequence[int] = CYCLES) -> pd.DataFrame:
+    """The compared quantities of one run after those of `cycles` that it reached: quantity, cycle, unit, value."""
+    reached = [n for n in cycles if n <= quantities.last_cycle(m.run)]
+    table = quantities.after_cycles(m.run, reached)
+    table = table[table["quantity"].isin(COMPARED) & table["cycle"].isin(reached)]
+    lateral = m.run.cycles.set_index("cycle")[[f"lateral_{k}_m" for k in range(1, 6)]].mean(axis=1, skipna=False)
+    rows = [("lateral_mean_m", n, "m", lateral.get(n, math.nan)) for n in reached]
+    columns = ["quantity", "cycle", "unit", "value"]
+    return pd.concat([table[columns], pd.DataFrame(rows, columns=columns)], ignore_index=True).dropna(subset=["value"])
+
+
+def seed_values(found: Iterable[Member]) -> pd.DataFrame:
+    """`run_values` of all plain runs, one row per run, quantity and cycle, with profile, scenario, reading, code, seed
+    and contact model.
+    """
+    frames = []
+    for (profile, scenario, reading, code), group in groups(found).items():
+        for m in group:
+            model = m.run.scenario["contact.model"] if m.run.scenario is not None else ""
+            frames.append(
+                run_values(m).assign(
+                    profile=profile, scenario=scenario, reading=reading, code=code, seed=m.run.seed, model=model
+                )
+            )
+    columns = ["profile", "scenario", "reading", "code", "seed", "model", "quantity", "cycle", "unit", "value"]
+    return pd.concat(frames, ignore_index=True)[columns] if frames else pd.DataFrame(columns=columns)
+
+
+def band_table(values: pd.DataFrame) -> pd.DataFrame:
+    """Mean, least and largest value over the beds that reach a cycle (columns VALUES)."""
+    keys = ["profile", "scenario", "reading", "code", "quantity", "cycle", "unit"]
+    if values.empty:
+        return pd.DataFrame(columns=VALUES)
+    found = values.groupby(keys, sort=False)["value"].agg(mean="mean", low="min", high="max", beds="count")
+    return found.reset_index()[list(VALUES)]
+
+
+def scatter_table(values: pd.DataFrame) -> pd.DataFrame:
+    """Standard deviation between beds as a share of the mean, pooled over the scenarios and codes of one contact model
+    and reading: profile, model, reading, quantity, cycle, scatter_ratio, degrees.
+    """
+    columns = ["profile", "model", "reading", "quantity", "cycle", "scatter_ratio", "degrees"]
+    if values.empty:
+        return pd.DataFrame(columns=columns)
+    keys = ["profile", "model", "reading", "quantity", "cycle"]
+    inner = values.groupby([*keys, "scenario", "code"])["value"].agg(["mean", "count", "var"]).reset_index()
+    inner = inner[(inner["count"] > 1) & (inner["mean"] != 0)]
+    inner["degrees"] = inner["count"] - 1
+    inner["squares"] = inner["var"] * inner["degrees"] / inner["mean"] ** 2
+    pooled = inner.groupby(keys)[["squares", "degrees"]].sum().reset_index()
+    pooled["scatter_ratio"] = np.sqrt(pooled["squares"] / pooled["degrees"])
+    return pooled[columns]
+
+
+def judge(one: float, other: float, scatter: float, degrees: float, beds: tuple[int, int]) -> dict:
+    """The difference of two means over their mean, its 95 % interval, and the state.
+
+    scatter   standard deviation between beds, as a share of the mean; nan where no code has a second bed
+    degrees   of freedom of that scatter
+    Without a common sign there is no ratio: the state is open.
+    """
+    mean = (one + other) / 2
+    row = {"difference": one - other, "difference_ratio": math.nan, "low_ratio": math.nan, "high_ratio": math.nan}
+    row |= {"within_ratio": math.nan, "beds_needed": math.nan, "state": OPEN}
+    if one * other <= 0 or not math.isfinite(mean):
+        return row
+    ratio = (one - other) / mean
+    row["difference_ratio"] = ratio
+    if not (math.isfinite(scatter) and degrees > 0):
+        return row
+    quantile = float(stats.t.ppf(0.975, degrees))
+    half = quantile * scatter * math.sqrt(1 / beds[0] + 1 / beds[1])
+    row |= {"low_ratio": ratio - half, "high_ratio": ratio + half, "within_ratio": abs(ratio) + half}
+    if row["within_ratio"] <= AGREES_WITHIN:
+        row["state"] = AGREES
+    elif half < abs(ratio):
+        row["state"] = DIFFERS
+    else:
+        row["beds_needed"] = math.ceil(2 * (quantile * scatter / AGREES_WITHIN) ** 2)
+    return row
+
+
+def agreement_table(values: pd.DataFrame, scatter: pd.DataFrame) -> pd.DataFrame:
+    """Both codes next to each other at equal cycles, each from its own beds: a row per scenario, reading, quantity and
+    cycle that a run of each code has reached, see `judge`.
+    """
+    known = scatter.set_index(["profile", "model", "reading", "quantity", "cycle"])
+    rows = []
+    keys = ["profile", "scenario", "reading", "quantity", "cycle", "unit", "model"]
+    for key, part in values.groupby(keys, sort=False):
+        profile, scenario, reading, quantity, cycle, unit, model = key
+        samples = {code: part.loc[part["code"] == code, "value"].to_numpy() for code in CODES}
+        if not all(len(s) for s in samples.values()) or not any(s.any() for s in samples.values()):
+            continue
+        found = known.loc[(profile, model, reading, quantity, cycle)] if key_in(known, key) else None
+        spread = (math.nan, 0) if found is None else (float(found["scatter_ratio"]), float(found["degrees"]))
+        means = {code: float(s.mean()) for code, s in samples.items()}
+        rows.append(
+            {
+                "profile": profile,
+                "scenario": scenario,
+                "reading": reading,
+                "quantity": quantity,
+                "cycle": cycle,
+                "unit": unit,
+                **{f"{code}_mean": means[code] for code in CODES},
+                **{f"{code}_beds": len(samples[code]) for code in CODES},
+                "scatter_ratio": spread[0],
+                **judge(means["liggghts"], means["yade"], *spread, (len(samples["liggghts"]), len(samples["yade"]))),
+            }
+        )
+    return pd.DataFrame(rows, columns=AGREEMENT)
+
+
+def key_in(known: pd.DataFrame, key: tuple) -> bool:
+    """Whether a pooled scatter is known for a row of `agreement_table`."""
+    profile, _, reading, quantity, cycle, _, model = key
+    return (profile, model, reading, quantity, cycle) in known.index
+
+
+AGREEMENT = (
+    "profile",
+    "scenario",
+    "reading",
+    "quantity",
+    "cycle",
+    "unit",
+    *(f"{code}_mean" for code in CODES),
+    *(f"{code}_beds" for code in CODES),
+    "scatter_ratio",
+    "difference",
+    "difference_ratio",
+    "low_ratio",
+    "high_ratio",
+    "within_ratio",
+    "state",
+    "beds_needed",
+)
+
+SAME_BED = (
+    "profile",
+    "scenario",
+    "reading",
+    "bed",
+    "differs",
+    "one",
+    "other",
+    "cycle",
+    "one_m",
+    "other_m",
+    "difference_m",
+    "difference_ratio",
+)
+
+
+def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
+    """Settlement of runs from one bed that differ in code, time step or rounding alone (columns SAME_BED); cycle 0 is
+    preload.
+    """
+    found = list(found)
+    by_run = {id(m.run): m for m in found}
+    rows = []
+    for pair in same_bed.same_bed_pairs([m.run for m in found]):
+        m = by_run[id(pair.one)]
+        for row in same_bed.settlements(pair).to_dict("records"):
+            rows.append(
+                {
+                    "profile": m.run.profile,
+                    "scenario": m.scenario,
+                    "reading": m.reading,
+                    "bed": m.bed[:8],
+                    "differs": pair.differs,
+                    "one": pair.one.id,
+                    "other": pair.other.id,
+                    **row,
+                }
+            )
+    return pd.DataFrame(rows, columns=SAME_BED)
+
+
+def same_bed_verdicts(pairs: pd.DataFrame) -> pd.DataFrame:
+    """Is the criterion met, that the codes differ by no more than half a time step or rounding alone changes?
+
+    A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both over
+    the shared cycles and as a share of the settlement, and the state.
+    """
+    rows = []
+    for (profile, scenario, reading, bed), part in pairs.groupby(
+        ["profile", "scenario", "reading", "bed"], sort=False
+    ):
+        size = part.assign(size=part["difference_ratio"].abs())
+        codes, band = size[size["differs"] == "code"], size[size["differs"] != "code"]
+        if codes.empty:
+            continue
+        largest = float(codes["size"].max())
+        limit = float(band["size"].max()) if len(band) else math.nan
+        state = OPEN if math.isnan(limit) else AGREES if largest <= limit else DIFFERS
+        rows.append(
+            {
+                "profile": profile,
+                "scenario": scenario,
+                "reading": reading,
+                "bed": bed,
+                "cycles": int(codes["cycle"].max()),
+                "codes_ratio": largest,
+                "band_ratio": limit,
+                "band_pairs": len(band[["one", "other"]].drop_duplicates()),
+                "state": state,
+            }
+        )
+    columns = ["profile", "scenario", "reading", "bed", "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
+    return pd.DataFrame(rows, columns=columns)

@@ -1,0 +1,136 @@
+"""All findings of a set of runs: `find(runs, references)`; no HTML, no millimetres, no sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import pandas as pd
+
+from analysis.comparison.claims import verdicts as judged
+from analysis.comparison.findings import agreement, influence, runs, servo
+from analysis.comparison.findings.members import Member, choose, groups, members
+from analysis.normalised.readers import Run
+from analysis.reference.curves import REFERENCE_FOLDER, References
+
+RUNS_FOLDER = REFERENCE_FOLDER / "runs"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Tidy frames, SI units in every column's name; `members` are the runs that they come from.
+
+    coverage         every run and how far it got
+    values           quantities after shown cycles: mean, least and largest over the beds that reach the cycle
+    scatter          between beds, pooled over the scenarios of a contact model and reading
+    agreement        LIGGGHTS against YADE, each from its own beds, at equal cycles, with a state
+    same_bed         pairs of runs from one bed that differ in code, time step or rounding alone
+    same_bed_verdicts   whether the codes differ by no more than time step and rounding do
+    rates            settlement per cycle in spans of cycles, with the trend up to each
+    packed_beds      after packing and after preload
+    load_tracking    how the prescribed load was met
+    servo            PFC's servo: measured and predicted response
+    elastic          settlement split into what springs back and what stays
+    influence        one thing changed at a time
+    calibration      beds that `make calibrate` tried
+    timestep, benchmark   what `make timestep` and `make benchmark` kept, as they wrote it
+    verdicts         the paper's claims, part by part
+    computing_time   cost of a cycle
+    pending          what is missing: a row per thing
+    """
+
+    members: tuple[Member, ...]
+    coverage: pd.DataFrame
+    values: pd.DataFrame
+    scatter: pd.DataFrame
+    agreement: pd.DataFrame
+    same_bed: pd.DataFrame
+    same_bed_verdicts: pd.DataFrame
+    rates: pd.DataFrame
+    packed_beds: pd.DataFrame
+    load_tracking: pd.DataFrame
+    servo: pd.DataFrame
+    elastic: pd.DataFrame
+    influence: pd.DataFrame
+    calibration: pd.DataFrame
+    timestep: pd.DataFrame
+    benchmark: pd.DataFrame
+    verdicts: pd.DataFrame
+    computing_time: pd.DataFrame
+    pending: pd.DataFrame
+
+    def frames(self) -> dict[str, pd.DataFrame]:
+        """Every table by its name."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "members"}
+
+    def write(self, folder: Path) -> list[Path]:
+        """Write each table as a CSV file into `folder`; returns the paths."""
+        folder.mkdir(parents=True, exist_ok=True)
+        paths = []
+        for name, frame in self.frames().items():
+            paths.append(folder / f"{name}.csv")
+            frame.to_csv(paths[-1], index=False, float_format="%.9g", lineterminator="\n")
+        return paths
+
+
+def find(
+    found: Iterable[Run], references: References, paper_scenarios: Iterable[str] = (), folder: Path = RUNS_FOLDER
+) -> Findings:
+    """Everything that the runs say.
+
+    paper_scenarios   names that count as missing where they have no full-size run
+    folder            where calibration.csv, timestep.csv and benchmark.csv are kept
+    """
+    chosen, _ = choose(found)
+    listed = members(chosen)
+    values = agreement.seed_values(listed)
+    scatter = agreement.scatter_table(values)
+    pairs = agreement.same_bed_table(listed)
+    plain = [m.run for m in listed if m.plain]
+    return Findings(
+        members=tuple(listed),
+        coverage=runs.coverage_table(listed),
+        values=agreement.band_table(values),
+        scatter=scatter,
+        agreement=agreement.agreement_table(values, scatter),
+        same_bed=pairs,
+        same_bed_verdicts=agreement.same_bed_verdicts(pairs),
+        rates=runs.rates_table(listed),
+        packed_beds=runs.packed_beds_table(listed),
+        load_tracking=runs.load_table(listed),
+        servo=servo.servo_table(listed),
+        elastic=servo.elastic_table(listed),
+        influence=influence.influence_table(listed, scatter),
+        calibration=_kept(folder / "calibration.csv"),
+        timestep=_kept(folder / "timestep.csv"),
+        benchmark=_kept(folder / "benchmark.csv"),
+        verdicts=judged.to_frame(judged.evaluate_claims(plain, references)),
+        computing_time=runs.computing_time_table(listed),
+        pending=_pending(listed, references, paper_scenarios),
+    )
+
+
+def _kept(path: Path) -> pd.DataFrame:
+    """A table kept in the repository; no rows where there is none."""
+    return pd.read_csv(path) if path.exists() else pd.DataFrame()
+
+
+def _pending(listed: list[Member], references: References, paper_scenarios: Iterable[str]) -> pd.DataFrame:
+    """What is missing: kind (scenario, cycles, seeds, reference), scenario, reading, code, have, want."""
+    rows = []
+    full = {key[1:]: found for key, found in groups(listed).items() if key[0] == "full"}
+    there = {scenario for scenario, *_ in full}
+    for name in paper_scenarios:
+        if name not in there:
+            rows.append({"kind": "scenario", "scenario": name, "have": 0, "want": 1})
+    for (scenario, reading, code), found in full.items():
+        where = {"scenario": scenario, "reading": reading, "code": code}
+        longest = max(int(m.run.cycles["cycle"].iloc[-1]) for m in found)
+        if longest < 1000:
+            rows.append({"kind": "cycles", **where, "have": longest, "want": 1000})
+        if len(found) < 3:
+            rows.append({"kind": "seeds", **where, "have": len(found), "want": 3})
+    for (source, kind), part in references.pending.groupby(["source", "kind"], sort=True):
+        rows.append({"kind": "reference", "scenario": f"{source} ({kind})", "have": 0, "want": len(part)})
+    return pd.DataFrame(rows, columns=["kind", "scenario", "reading", "code", "have", "want"])

@@ -1,0 +1,96 @@
+"""What one thing changed at a time does to settlement and lateral displacement, with the seeds' scatter as yardstick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import pandas as pd
+
+from analysis.comparison.findings.members import Member
+from analysis.comparison.quantities import last_cycle
+
+CYCLE = 20
+"""After which influences are compared; after fewer where a pair has fewer."""
+
+INFLUENCE = (
+    "profile",
+    "scenario",
+    "reading",
+    "code",
+    "variant",
+    "quantity",
+    "cycle",
+    "unit",
+    "base",
+    "changed",
+    "change_ratio",
+    "scatter_ratio",
+    "scatters",
+    "run",
+    "base_run",
+)
+
+
+def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFrame:
+    """Each varied run against the plain run of its scenario, reading, code and seed (columns INFLUENCE).
+
+    change_ratio    changed over base, minus 1
+    scatter_ratio   standard deviation between beds as a share of the mean, see `agreement.scatter_table`
+    scatters        size of the change in such deviations
+    """
+    found = list(found)
+    plain = {(*m.key, m.run.seed): m for m in found if m.plain}
+    rows = []
+    for m in found:
+        base = plain.get((*m.key, m.run.seed))
+        if base is None or m.run.scenario is None or not m.others or m.others == ("same-bed",) or not m.own_bed:
+            continue
+        cycle = min(CYCLE, last_cycle(m.run), last_cycle(base.run))
+        for quantity, unit, function in (
+            ("settlement_m", "m", lambda run, n: at(run, n, "settlement_m")),
+            ("lateral_mean_m", "m", lambda run, n: sum(at(run, n, f"lateral_{k}_m") for k in range(1, 6)) / 5),
+        ):
+            before, after = function(base.run, cycle), function(m.run, cycle)
+            change = after / before - 1 if before else math.nan
+            spread = _spread(scatter, m, quantity, cycle)
+            rows.append(
+                {
+                    "profile": m.run.profile,
+                    "scenario": m.scenario,
+                    "reading": m.reading,
+                    "code": m.run.code,
+                    "variant": "+".join(m.others),
+                    "quantity": quantity,
+                    "cycle": cycle,
+                    "unit": unit,
+                    "base": before,
+                    "changed": after,
+                    "change_ratio": change,
+                    "scatter_ratio": spread,
+                    "scatters": abs(change) / spread if spread else math.nan,
+                    "run": m.run.id,
+                    "base_run": base.run.id,
+                }
+            )
+    table = pd.DataFrame(rows, columns=INFLUENCE)
+    size = table["change_ratio"].abs()
+    return table.assign(size=size).sort_values("size", ascending=False, kind="stable").drop(columns="size")
+
+
+def at(run, cycle: int, column: str) -> float:
+    """Value of a column of cycles.csv after a cycle; nan without."""
+    values = run.cycles.loc[run.cycles["cycle"] == cycle, column]
+    return float(values.iloc[0]) if len(values) else math.nan
+
+
+def _spread(scatter: pd.DataFrame, m: Member, quantity: str, cycle: int) -> float:
+    """Scatter between beds at the nearest compared cycle not after `cycle`."""
+    rows = scatter[
+        (scatter["profile"] == m.run.profile)
+        & (scatter["model"] == m.run.scenario["contact.model"])
+        & (scatter["reading"] == m.reading)
+        & (scatter["quantity"] == quantity)
+        & (scatter["cycle"] <= cycle)
+    ].sort_values("cycle")
+    return float(rows["scatter_ratio"].iloc[-1]) if len(rows) else math.nan

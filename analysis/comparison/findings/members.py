@@ -1,0 +1,123 @@
+"""What each run is to the study: its scenario, variants, reading of the load, and the bed it began from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+from analysis.comparison.quantities import last_cycle
+from analysis.normalised.readers import Run
+
+TRUE_LOAD, SERVO = "true load", "servo"
+READINGS = (TRUE_LOAD, SERVO)
+"""How the paper's "servo" can be read: the load is what is prescribed, or PFC's servo applies what it can."""
+
+SERVO_VARIANT = "servo"
+"""The variant of scenarios.toml that lays PFC's servo over a scenario."""
+
+SAME_BED_VARIANT = "same-bed"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A run with its place in the study.
+
+    scenario   name without variants
+    variants   that lie over it, in the order of the alphabet
+    """
+
+    run: Run
+    scenario: str
+    variants: tuple[str, ...]
+
+    @cached_property
+    def reading(self) -> str:
+        """`true load` or `servo`, by the law that moves the sleeper."""
+        if self.run.scenario is not None:
+            return SERVO if self.run.scenario["load_control.sleeper_law"] == "pfc" else TRUE_LOAD
+        return SERVO if SERVO_VARIANT in self.variants else TRUE_LOAD
+
+    @property
+    def own_bed(self) -> bool:
+        """True where the run is one of its code's own packings, not started from a bed given by hand or by variant."""
+        bed = str(self.run.info.get("bed", "own"))
+        return SAME_BED_VARIANT not in self.variants and (bed.startswith(("own", "../")) or bed == "")
+
+    @property
+    def plain(self) -> bool:
+        """True for a scenario as it stands, in either reading, from a bed of its own code."""
+        return not set(self.variants) - {SERVO_VARIANT} and self.own_bed
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """Variants but for the reading of the load."""
+        return tuple(v for v in self.variants if v != SERVO_VARIANT)
+
+    @property
+    def key(self) -> tuple:
+        """Profile, scenario, reading, code: what seeds are averaged over."""
+        return self.run.profile, self.scenario, self.reading, self.run.code
+
+    @property
+    def bed(self) -> str:
+        """Checksum of the packed bed; empty where it is not known."""
+        return str(self.run.stages.get("packing", {}).get("bed_sha256", ""))
+
+    @property
+    def identity(self) -> dict:
+        """The first columns of every table with a row per run."""
+        return {
+            "run": self.run.id,
+            "profile": self.run.profile,
+            "scenario": self.scenario,
+            "variant": "+".join(self.variants),
+            "reading": self.reading,
+            "code": self.run.code,
+            "seed": self.run.seed,
+        }
+
+
+def member(run: Run) -> Member:
+    """The place of a run in the study, by its scenario's id: nonlinear-en1.0+servo."""
+    scenario, *variants = run.scenario_name.split("+")
+    return Member(run, scenario, tuple(sorted(variants)))
+
+
+def members(runs: Iterable[Run]) -> list[Member]:
+    """All runs that have finished a cycle."""
+    return [member(run) for run in runs if len(run.cycles)]
+
+
+def groups(found: Iterable[Member]) -> dict[tuple, list[Member]]:
+    """Plain members by `key`: one per seed."""
+    grouped: dict[tuple, list[Member]] = {}
+    for m in found:
+        if m.plain:
+            grouped.setdefault(m.key, []).append(m)
+    return grouped
+
+
+def choose(runs: Iterable[Run]) -> tuple[list[Run], list[tuple[Run, str]]]:
+    """One run of each profile, scenario with variants, code, seed, bed, time step and number of ranks: the longest, of
+    equals the first. Also the others, each with the reason why it is left out.
+    """
+    best: dict[tuple, Run] = {}
+    keyed = [(_same(run), run) for run in runs]
+    for key, run in keyed:
+        if key not in best or last_cycle(run) > last_cycle(best[key]):
+            best[key] = run
+    chosen = {id(run) for run in best.values()}
+    left_out = [
+        (run, f"{best[key].id} is the same scenario, code, seed and bed and goes at least as far")
+        for key, run in keyed
+        if id(run) not in chosen
+    ]
+    return [run for _, run in keyed if id(run) in chosen], left_out
+
+
+def _same(run: Run) -> tuple:
+    ranks = max(run.info.get("ranks", 1), run.info.get("threads", 1))
+    step = run.scenario["time.step"] if run.scenario is not None else None
+    given = "" if member(run).own_bed else str(run.info.get("bed"))
+    return (*run.identity.values(), step, ranks, given)

@@ -1,0 +1,219 @@
+"""The findings: what runs with known answers say, as tables, before any sentence or figure."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from synthetic import LATERAL_PROFILE, STROKE_M, write_run
+
+from analysis.comparison.findings import agreement, servo
+from analysis.comparison.findings.find import find
+from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
+from analysis.normalised.readers import load_runs
+from analysis.reference.curves import load_references
+from analysis.scenarios.scenario import load_scenario
+
+EXPONENTIAL = {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6}
+
+
+def exponential(scale=1.0):
+    return "exponential", {name: value * (scale if name in "abd" else 1) for name, value in EXPONENTIAL.items()}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Three LIGGGHTS seeds of 20 cycles, one of 10, and one YADE run that settles 10 % more."""
+    results = tmp_path_factory.mktemp("results")
+    for seed, scale in ((1, 1.0), (2, 1.02), (3, 0.98)):
+        write_run(results, "full", "linear-mu0.8", "liggghts", 20, seed, law=exponential(scale))
+    write_run(results, "full", "linear-mu0.8", "liggghts", 10, 4, law=exponential(5.0))
+    write_run(results, "full", "linear-mu0.8", "yade", 20, law=exponential(1.1))
+    return find(load_runs(results), load_references(), ["linear-mu0.8", "nonlinear-en1.0"])
+
+
+def row(table, **where):
+    """The only row of a table in which the named columns have these values."""
+    for name, value in where.items():
+        table = table[table[name] == value]
+    assert len(table) == 1, table
+    return table.iloc[0]
+
+
+def test_a_mean_says_how_many_beds_reach_the_cycle(found):
+    at = {"code": "liggghts", "quantity": "settlement_m"}
+    assert row(found.values, cycle=10, **at)["beds"] == 4 and row(found.values, cycle=20, **at)["beds"] == 3
+    last = row(found.values, cycle=20, **at)
+    a, b, c, d = EXPONENTIAL.values()
+    assert last["mean"] == pytest.approx(a + b * -math.expm1(-20 / c) + d * 20, rel=1e-9)
+    assert last["low"] == pytest.approx(0.98 * last["mean"]) and last["high"] == pytest.approx(1.02 * last["mean"])
+
+
+def test_codes_are_compared_at_equal_cycles_with_an_interval_that_the_scatter_gives(found):
+    found_row = row(found.agreement, quantity="settlement_m", cycle=20)
+    assert found_row["liggghts_beds"] == 3 and found_row["yade_beds"] == 1
+    assert found_row["difference_ratio"] == pytest.approx(-0.1 / 1.05, rel=1e-6)
+    half = 4.302652729911275 * 0.02 * math.sqrt(1 / 3 + 1)  # Student's t of two degrees of freedom
+    assert found_row["high_ratio"] - found_row["difference_ratio"] == pytest.approx(half, rel=1e-6)
+    assert found_row["state"] == agreement.AGREES
+    assert found.agreement["cycle"].max() == 20
+
+
+@pytest.mark.parametrize(
+    "one, other, scatter, degrees, beds, state",
+    [
+        (1.0, 1.05, 0.02, 10, (3, 3), agreement.AGREES),
+        (1.0, 2.0, 0.05, 10, (3, 3), agreement.DIFFERS),
+        (1.0, 1.05, 0.3, 10, (2, 1), agreement.OPEN),
+        (1.0, 1.6, math.nan, 0, (1, 1), agreement.OPEN),
+        (1e-5, -1e-5, 0.1, 10, (3, 3), agreement.OPEN),
+    ],
+    ids=["close", "far", "wide", "one bed each", "across zero"],
+)
+def test_three_states_and_no_ratio_across_zero(one, other, scatter, degrees, beds, state):
+    judged = agreement.judge(one, other, scatter, degrees, beds)
+    assert judged["state"] == state
+    assert math.isnan(judged["difference_ratio"]) == (one * other <= 0)
+    if math.isfinite(judged["beds_needed"]):  # with that many beds in each code the interval is narrow enough
+        needed = int(judged["beds_needed"])
+        again = agreement.judge(1.0, 1.0, scatter, degrees, (needed, needed))
+        assert again["state"] == agreement.AGREES
+        fewer = agreement.judge(1.0, 1.0, scatter, degrees, (needed - 1, needed - 1))
+        assert fewer["state"] == agreement.OPEN
+
+
+def test_the_interval_covers_the_truth_as_often_as_it_says():
+    """95 % of intervals of two equal codes hold zero, with one bed in one of them and scatter pooled over scenarios."""
+    generator, inside, trials = np.random.default_rng(5), 0, 1500
+    for _ in range(trials):
+        values = 1 + 0.1 * generator.standard_normal((5, 3))
+        ours, theirs = values[0].mean(), 1 + 0.1 * generator.standard_normal()
+        scatter = math.sqrt((values.var(axis=1, ddof=1) / values.mean(axis=1) ** 2).mean())
+        judged = agreement.judge(ours, theirs, scatter, 10, (3, 1))
+        inside += judged["low_ratio"] <= 0 <= judged["high_ratio"]
+    assert inside / trials == pytest.approx(0.95, abs=0.02)  # three standard errors of 1500 trials are 0.017
+
+
+def test_what_is_equal_by_construction_gets_no_verdict(found):
+    assert not {"clumps", "tracking_rms_Pa"} & set(found.agreement["quantity"])
+
+
+def test_missing_scenarios_cycles_and_seeds_are_pending(found):
+    assert row(found.pending, kind="scenario")["scenario"] == "nonlinear-en1.0"
+    assert row(found.pending, kind="cycles", code="yade")[["have", "want"]].tolist() == [20, 1000]
+    assert row(found.pending, kind="seeds")["code"] == "yade"
+
+
+def test_settling_is_judged_up_to_each_span(found):
+    spans = found.rates[(found.rates["code"] == "yade")]
+    assert spans["last_cycle"].tolist() == [1, 2, 5, 10, 20]
+    a, b, c, d = (1.1 * EXPONENTIAL[n] if n != "c" else EXPONENTIAL[n] for n in EXPONENTIAL)
+    law = lambda n: a + b * -math.expm1(-n / c) + d * n  # noqa: E731
+    assert spans["settlement_rate_m"].iloc[-1] == pytest.approx((law(20) - law(10)) / 10, rel=1e-9)
+    assert spans["trend"].tolist()[:2] == ["", ""] and spans["trend"].iloc[-1] == "slowing"
+
+
+def test_cost_and_load_are_told_for_every_run(found):
+    cost = found.computing_time.iloc[0]
+    assert cost["seconds_per_cycle"] == pytest.approx(cost["steps_per_cycle"] / cost["steps_per_s"])
+    assert found.load_tracking["met"].tolist() == ["yes"] * 5
+    assert found.coverage["lateral_mean_m"].iloc[0] == pytest.approx(5e-3 * np.mean(LATERAL_PROFILE))
+
+
+def test_the_same_run_twice_counts_once(tmp_path):
+    runs = [load_runs(write_run(tmp_path / where, cycles=n).parents[2])[0] for where, n in (("a", 3), ("b", 5))]
+    chosen, left_out = choose(runs)
+    assert chosen == [runs[1]] and [run for run, _ in left_out] == [runs[0]]
+
+
+def test_tables_are_written_as_csv_that_reads_back(found, tmp_path):
+    for path in found.write(tmp_path):
+        if path.read_text().strip():
+            assert len(pd.read_csv(path)) == len(found.frames()[path.stem])
+
+
+# ------------------------------------------------------------------ the servo
+
+
+def servo_run(results, ratio, gain=0.8, variant="servo", cycles=6, scenario="nonlinear-en1.0"):
+    """A run whose stress is that of a first-order filter of this amplitude ratio, on a bed of constant stiffness."""
+    folder = write_run(results, "full", scenario, "liggghts", cycles)
+    s = load_scenario(scenario, "full", cycles=cycles)
+    for key, value in (("load_control.sleeper_law", "pfc"), ("load_control.pfc_gain", gain)):
+        s = s.replace(key, value)
+    (folder / "scenario.json").write_text(s.to_json())
+    phase, middle, swing = math.acos(ratio), 255e3, 205e3
+    cycles_table = pd.read_csv(folder / "cycles.csv")
+    cycles_table["sleeper_stress_min_Pa"] = middle - ratio * swing
+    cycles_table["sleeper_stress_max_Pa"] = middle + ratio * swing
+    cycles_table["tracking_rms_Pa"] = swing * math.sin(phase) / math.sqrt(2)
+    cycles_table["settlement_peak_m"] = cycles_table["settlement_m"] + ratio * STROKE_M
+    cycles_table.to_csv(folder / "cycles.csv", index=False)
+    history = pd.read_csv(folder / "history.csv")
+    history["sleeper_stress_Pa"] = middle - ratio * swing * np.cos(2 * np.pi * history["cycle"] - phase)
+    history.to_csv(folder / "history.csv", index=False)
+    target = results / "full" / f"{scenario}+{variant}"
+    folder.parent.rename(target)
+    info = (target / "liggghts" / "run.json").read_text()
+    (target / "liggghts" / "run.json").write_text(info.replace(f'"{scenario}"', f'"{scenario}+{variant}"', 1))
+    return target / "liggghts"
+
+
+def filter_ratio(omega_tau):
+    return 1 / math.hypot(1, omega_tau)
+
+
+def test_the_servo_is_a_first_order_filter_whose_constant_goes_with_one_over_the_gain(tmp_path):
+    servo_run(tmp_path, filter_ratio(2.4))
+    slow = servo_run(tmp_path, filter_ratio(2.4 * 0.8 / 0.3), gain=0.3, variant="servo-gain0.3")
+    (slow / "history.csv").unlink()  # as in the repository
+    table = find(load_runs(tmp_path), load_references()).servo
+    default, slower = (row(table, gain=gain) for gain in (0.8, 0.3))
+    omega = 2 * math.pi * 20
+    assert default["time_constant_s"] == pytest.approx(2.4 / omega, rel=1e-3)
+    for line, source in ((default, "history.csv"), (slower, "tracking error")):
+        assert line["lag_from"] == source
+        assert line["lag_rad"] == pytest.approx(math.acos(line["amplitude_ratio"]), rel=1e-3)
+    assert slower["predicted_amplitude_ratio"] == pytest.approx(slower["amplitude_ratio"], rel=1e-3)
+    assert slower["predicted_lag_rad"] == pytest.approx(slower["lag_rad"], rel=1e-3)
+    assert math.isnan(default["predicted_amplitude_ratio"]), "nothing may be predicted from itself"
+
+
+def test_readings_are_told_apart_by_the_law_of_the_sleeper(tmp_path):
+    folder = servo_run(tmp_path, 0.5)
+    write_run(tmp_path, "full", "nonlinear-en1.0", "liggghts", 6)
+    by_reading = {member(run).reading: member(run) for run in load_runs(tmp_path)}
+    assert set(by_reading) == {SERVO, TRUE_LOAD}
+    assert by_reading[SERVO].scenario == "nonlinear-en1.0" and by_reading[SERVO].run.folder == folder
+
+
+def test_settlement_by_the_servo_is_split_by_measurement_where_there_is_one(tmp_path):
+    folder = servo_run(tmp_path, 0.5)
+    (folder / "unload.csv").write_text(",".join(servo.UNLOAD) + "\n1,178000,0.0053,50000,0.0030\n")
+    table = find(load_runs(tmp_path), load_references()).elastic
+    first, last = (row(table, cycle=n) for n in (1, 6))
+    assert first["how"] == "measured" and first["elastic_m"] == pytest.approx(0.0023)
+    assert first["permanent_m"] == pytest.approx(0.0030)
+    low, high, least = (v ** (2 / 3) for v in (255e3 - 102.5e3, 255e3 + 102.5e3, 50e3))
+    assert last["how"] == "estimated"
+    assert last["elastic_m"] == pytest.approx(0.5 * STROKE_M * (low - least) / (high - low), rel=1e-9)
+    (folder / "unload.csv").write_text("cycle,settlement_m\n1,2\n")
+    with pytest.raises(ValueError, match="unload.csv: column stress_before_Pa is missing"):
+        find(load_runs(tmp_path), load_references())
+
+
+# ------------------------------------------------------------------ influence
+
+
+def test_influence_is_measured_by_the_scatter_of_seeds(tmp_path):
+    for seed, scale in ((1, 1.0), (2, 1.1), (3, 0.9)):
+        write_run(tmp_path, "full", "linear-mu0.8", "liggghts", 20, seed, law=exponential(scale))
+    folder = write_run(tmp_path / "varied", "full", "linear-mu0.8", "liggghts", 20, law=exponential(1.5))
+    target = tmp_path / "full" / "linear-mu0.8+plates-fixed"
+    folder.parent.rename(target)
+    info = (target / "liggghts" / "run.json").read_text().replace('"linear-mu0.8"', '"linear-mu0.8+plates-fixed"', 1)
+    (target / "liggghts" / "run.json").write_text(info)
+    table = find(load_runs(tmp_path), load_references()).influence
+    settled = row(table, quantity="settlement_m")
+    assert settled["variant"] == "plates-fixed" and settled["cycle"] == 20
+    assert settled["change_ratio"] == pytest.approx(0.5) and settled["scatters"] == pytest.approx(5.0)
