@@ -25,7 +25,7 @@ VARIED    = $(if $(VARIANT),--variant $(VARIANT))
 FOLDER    = $(RESULTS)/$(PROFILE)/$(ID)/$(CODE)$(if $(filter-out 1,$(SEED)),-seed$(SEED))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run study status compare report view keep verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run study status compare report findings view keep verify impact mutations sanitize reference calibrate bench \
         test clean distclean distclean-run FORCE
 
 help: ## this list
@@ -64,6 +64,8 @@ status: $(STAMP) ## all runs: stage, cycle, speed, time left, tracking error, st
 compare: $(STAMP) ## rebuild report/index.html from the runs that exist
 	@$(ANALYSIS) report --results $(RESULTS)
 report: compare ## the same
+findings: $(STAMP) ## what the runs say, as tables: report/findings/*.csv
+	@$(ANALYSIS) findings --results $(RESULTS)
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
 	@$(ANALYSIS) view $(ID) --code $(CODE) --profile $(PROFILE) --seed $(SEED) --results $(RESULTS)
 keep: ## put a run's normalised results into the repository: make keep SCENARIO=... CODE=... PROFILE=full

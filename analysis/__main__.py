@@ -10,6 +10,7 @@ COMMANDS = {  # name: module, purpose
     "study": ("driver.study", "the list of the study's runs, or one of them"),
     "status": ("driver.status", "list all runs"),
     "report": ("report.build", "rebuild the report from the runs that exist"),
+    "findings": ("report.export", "what the runs say, as CSV tables"),
     "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),
     "impact": ("verification.impact", "any impact of two bodies in both codes"),
     "mutations": ("verification.mutations", "wrong laws that the verification must notice"),

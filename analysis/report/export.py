@@ -10,7 +10,7 @@ from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
-from analysis.report.report_data import paper_scenarios
+from analysis.report.report_data import PAPER_SCENARIOS
 from analysis.scenarios.scenario import ScenarioError
 
 
@@ -34,4 +34,4 @@ def main(argv: list[str]) -> int:
 
 def found_in(results: Path, kept: Path = RUNS_FOLDER) -> Findings:
     """Findings of the runs below `results` and of those kept in the repository."""
-    return find([*load_runs(results), *load_runs(kept)], load_references(), paper_scenarios(), kept)
+    return find([*load_runs(results), *load_runs(kept)], load_references(), PAPER_SCENARIOS, kept)

@@ -29,7 +29,8 @@ STAGED = verify_load.CASES
 
 
 def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> list[Results]:
-    """Run the cases (all, or the `chosen` names) in the codes, side by side, below `folder`; return the results of each code.
+    """Run the cases (all, or the `chosen` names) in the codes, side by side, below `folder`; return the results of
+    each code.
 
     Last come the results of what needs no engine. Cases that an engine does not finish are failed rows.
     """

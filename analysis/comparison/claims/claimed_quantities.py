@@ -71,7 +71,9 @@ def seconds_per_cycle(run) -> float:
 
 
 def settlement_difference(run, curve: pd.DataFrame, last: int, what: str) -> float:
-    """A field of `against_published.against_reference` (rms_m, shift_m, rms_shifted_m), over the curve's points up to `last`."""
+    """A field of `against_published.against_reference` (rms_m, shift_m, rms_shifted_m), over the curve's points up to
+    `last`.
+    """
     points = curve[curve["cycle"] <= last]
     ours = run.cycles["cycle"], run.cycles["settlement_m"]
     result = against_published.against_reference(*ours, points["cycle"], points["value"])

@@ -24,7 +24,8 @@ CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 AGREES, DIFFERS, OPEN = "agrees", "differs", "cannot tell yet"
 
 AGREES_WITHIN = 0.25
-"""Two codes agree where the whole interval of their difference is within this share of their mean. Assumed: half of what
+"""Two codes agree where the whole interval of their difference is within this share of their mean. Assumed: half of
+what
 beds of one recipe differ by."""
 
 COMPARED = (
@@ -47,7 +48,8 @@ COMPARED = (
     "shoulder_displacement_m",
     "crib_heave_m",
 )
-"""What is compared. Left out: what is equal by construction (number of clumps, load) and what a run is held to (tracking
+"""What is compared. Left out: what is equal by construction (number of clumps, load) and what a run is held to
+(tracking
 error)."""
 
 VALUES = ("profile", "scenario", "reading", "code", "quantity", "cycle", "unit", "mean", "low", "high", "beds")
@@ -236,13 +238,12 @@ def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
 def same_bed_verdicts(pairs: pd.DataFrame) -> pd.DataFrame:
     """Is the criterion met, that the codes differ by no more than half a time step or rounding alone changes?
 
-    A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both over
+    A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
+    over
     the shared cycles and as a share of the settlement, and the state.
     """
     rows = []
-    for (profile, scenario, reading, bed), part in pairs.groupby(
-        ["profile", "scenario", "reading", "bed"], sort=False
-    ):
+    for (profile, scenario, reading, bed), part in pairs.groupby(["profile", "scenario", "reading", "bed"], sort=False):
         size = part.assign(size=part["difference_ratio"].abs())
         codes, band = size[size["differs"] == "code"], size[size["differs"] != "code"]
         if codes.empty:

@@ -1,4 +1,6 @@
-"""What one thing changed at a time does to settlement and lateral displacement, with the seeds' scatter as yardstick."""
+"""What one thing changed at a time does to settlement and lateral displacement, with the seeds' scatter as
+yardstick.
+"""
 
 from __future__ import annotations
 

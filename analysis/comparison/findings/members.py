@@ -40,9 +40,12 @@ class Member:
 
     @property
     def own_bed(self) -> bool:
-        """True where the run is one of its code's own packings, not started from a bed given by hand or by variant."""
+        """True where the run began from a bed that its own code packed; a file given by hand must say so by its
+        name.
+        """
         bed = str(self.run.info.get("bed", "own"))
-        return SAME_BED_VARIANT not in self.variants and (bed.startswith(("own", "../")) or bed == "")
+        by_itself = bed.startswith(("own", "../../")) or not bed or self.run.code in bed
+        return SAME_BED_VARIANT not in self.variants and by_itself
 
     @property
     def plain(self) -> bool:
@@ -80,8 +83,7 @@ class Member:
 
 def member(run: Run) -> Member:
     """The place of a run in the study, by its scenario's id: nonlinear-en1.0+servo."""
-    scenario, *variants = run.scenario_name.split("+")
-    return Member(run, scenario, tuple(sorted(variants)))
+    return Member(run, run.base_name, run.variants)
 
 
 def members(runs: Iterable[Run]) -> list[Member]:

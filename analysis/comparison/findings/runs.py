@@ -1,4 +1,6 @@
-"""Tables with a row per run: how far it got, how fast it settles, the bed it began from, how its load was met, its cost."""
+"""Tables with a row per run: how far it got, how fast it settles, the bed it began from, how its load was met, its
+cost.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,8 @@ def coverage_table(found: Iterable[Member]) -> pd.DataFrame:
 
 
 def rates_table(found: Iterable[Member]) -> pd.DataFrame:
-    """Settlement, lateral displacement and heave of the cribs per cycle in spans of cycles, and the trend of settling up
+    """Settlement, lateral displacement and heave of the cribs per cycle in spans of cycles, and the trend of settling
+    up
     to the end of each span, so that runs are compared at equal cycles: IDENTITY, quantities.RATES and `trend`.
     """
     rows = []
@@ -75,7 +78,8 @@ def packed_beds_table(found: Iterable[Member]) -> pd.DataFrame:
 
 
 def load_table(found: Iterable[Member]) -> pd.DataFrame:
-    """How the load was met: IDENTITY, LOAD (extremes of the last cycle, tracking error as a share of the largest stress),
+    """How the load was met: IDENTITY, LOAD (extremes of the last cycle, tracking error as a share of the largest
+    stress),
     the aim (nan by the servo, whose error is a result) and whether it was met.
     """
     rows = []

@@ -1,7 +1,8 @@
 """PFC's servo as a first-order filter: what it makes of the prescribed load.
 
 The servo moves the sleeper at v = G (F_target - F), G = gain / (K_c dt); the bed answers with dF = K_bed dx. Together
-dF/dt = (F_target - F) / tau with tau = K_c dt / (gain K_bed). Of a sinusoid of angular frequency w the amplitude passes by
+dF/dt = (F_target - F) / tau with tau = K_c dt / (gain K_bed). Of a sinusoid of angular frequency w the amplitude
+passes by
 1 / sqrt(1 + (w tau)^2), late by the phase atan(w tau). K_c is the sum of the stiffnesses of the sleeper's contacts.
 """
 
@@ -78,7 +79,8 @@ def lag_of_error(rms: float, amplitude: float) -> float:
 def response(m: Member) -> dict:
     """Measured over the last cycles of one run: extremes of stress, amplitude ratio, lag, stiffness of the bed.
 
-    The lag is that of the fundamental where history.csv is there, else what the rms tracking error says of such a filter.
+    The lag is that of the fundamental where history.csv is there, else what the rms tracking error says of such a
+    filter.
     """
     s, rows = m.run.scenario, m.run.cycles.tail(LAST_CYCLES)
     low, high = rows["sleeper_stress_min_Pa"].mean(), rows["sleeper_stress_max_Pa"].mean()
@@ -102,7 +104,9 @@ def response(m: Member) -> dict:
 
 
 def fundamental_lag(m: Member) -> float:
-    """Phase of the stress behind its target at the load's frequency, over the last cycles of history.csv; nan without."""
+    """Phase of the stress behind its target at the load's frequency, over the last cycles of history.csv; nan
+    without.
+    """
     history = m.run.history[["cycle", "sleeper_target_Pa", "sleeper_stress_Pa"]].dropna()
     done = last_cycle(m.run)
     inside = history[(history["cycle"] > max(done - LAST_CYCLES, 0) + 1e-9) & (history["cycle"] <= done + 1e-9)]
@@ -126,7 +130,8 @@ def servo_table(found: Iterable[Member]) -> pd.DataFrame:
     time_constant_s         from the measured amplitude ratio
     contact_stiffness_N_m   that this takes: gain K_bed tau / dt
     contacts                its number of wall contacts
-    predicted_...           with the contacts per load of the same scenario's run at the default gain, so that nothing is
+    predicted_...           with the contacts per load of the same scenario's run at the default gain, so that nothing
+    is
                             fitted but one number per scenario; nan for that run itself
     """
     rows = []
@@ -224,7 +229,9 @@ def estimated_elastic(m: Member, row: pd.Series) -> float:
 
 
 def read_unload(m: Member) -> pd.DataFrame:
-    """unload.csv of a run by cycle; no rows without one. Raises ValueError naming the file where a column is missing."""
+    """unload.csv of a run by cycle; no rows without one. Raises ValueError naming the file where a column is
+    missing.
+    """
     path = m.run.folder / UNLOAD_FILE
     if not path.exists():
         return pd.DataFrame(columns=UNLOAD[1:])

@@ -12,10 +12,10 @@ import pandas as pd
 from analysis.comparison.quantities import last_cycle
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
-from analysis.report.report_data import ReportData, name_of, speed, state_of, timing, tracking_percent
 from analysis.report.figure import run_id
 from analysis.report.figures.load import TRACKING_AIM, tracking_figure
 from analysis.report.labels import KPA, MM
+from analysis.report.report_data import ReportData, name_of, speed, state_of, timing, tracking_percent
 from analysis.report.tables import Chip, Column, Table, number, plural
 
 STATE_KIND = {"finished": "good", "running": "calm", "interrupted": "open", "failed": "bad"}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from analysis.report.report_data import ReportData
 from analysis.report.figures.verification import case_figure, case_name
+from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, number
 
