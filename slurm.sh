@@ -11,27 +11,22 @@
 #SBATCH --output=slurm-%A_%a.log
 #
 # sbatch slurm.sh                       all runs of the study ([study] in scenarios.toml), one core each
-# sbatch --array=0,3 slurm.sh           two of them; `.venv/bin/python -m analysis study --list` prints the list
-#
-# A job that comes to its time limit or is preempted writes a checkpoint, is queued again and goes on from it, because the
-# command of an unfinished run resumes it. `make setup` must have been run once, on a file system that all nodes see.
-# MPI: set --ntasks=NP, and add NP=... below; a resumed run needs the same number.
-set -uo pipefail
-cd "${SLURM_SUBMIT_DIR:-.}"
-
-task=${SLURM_ARRAY_TASK_ID:-0}
-
+# sbatch --array=0,3 slurm.sh           two of them; `run='' asked=''
+trap 'asked=yes; [[ -z $run ]] || kill -TERM $run' TERM INT HUP
 .venv/bin/python -m analysis study --array "$task" &
 run=$!
-trap 'kill -TERM $run' TERM INT
-wait $run                               # returns early when the trap fires
+[[ -z $asked ]] || kill -TERM $run
+# A signal ends `wait` early: wait again until the run has ended, however many signals come.
+while kill -0 $run 2> /dev/null; do
+    wait $run
+done
 wait $run
 result=$?
 
-# 143: stopped by the signal, with a checkpoint. Anything else is the end, good or bad.
-if [[ $result -eq 143 && -n ${SLURM_JOB_ID:-} ]]; then
+# Stopped by a signal, with a checkpoint; anything else is the end, good or bad.
+if [[ $result =~ ^(129|130|143)$ && -n ${SLURM_JOB_ID:-} ]]; then
     echo "requeue: run $task of the study"
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}"
+    scontrol requeue "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"
     exit 0
 fi
 exit $result

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import importlib
+import os
+import signal
 import sys
 
 COMMANDS = {  # name: module, purpose
     "run": ("driver.run", "simulate one scenario in one code, or go on with it"),
     "study": ("driver.study", "the list of the study's runs, or one of them"),
     "status": ("driver.status", "list all runs"),
+    "keep": ("driver.keep", "put a run's normalised results into the repository"),
+    "delete": ("driver.delete", "delete one run, after asking"),
     "report": ("report.build", "rebuild the report from the runs that exist"),
     "findings": ("report.export", "what the runs say, as CSV tables"),
     "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),
@@ -32,7 +36,11 @@ def main(argv: list[str]) -> int:
         )
         return 2 if unknown else 0
     module, _ = COMMANDS[argv[0]]
-    return importlib.import_module(f"analysis.{module}").main(argv[1:]) or 0
+    try:
+        return importlib.import_module(f"analysis.{module}").main(argv[1:]) or 0
+    except BrokenPipeError:  # `| head` has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 128 + signal.SIGPIPE
 
 
 if __name__ == "__main__":

@@ -32,6 +32,14 @@ from analysis.scenarios.scenario import load_scenario
 
 CYCLES = 4
 LINEAR = ("linear-mu0.8", "--code", "yade", "--cycles", CYCLES)
+NO_LOCKS = (
+    FAKE[0],
+    "-c",
+    "import errno, fcntl, os, runpy, sys\n"
+    "def flock(*_): raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))\n"
+    f"fcntl.flock, sys.argv[0] = flock, {FAKE[1]!r}\n"
+    f"sys.path.insert(0, {str(ROOT)!r}); runpy.run_path({FAKE[1]!r}, run_name='__main__')",
+)
 GRID = derived.time_grid(load_scenario("linear-mu0.8", "demo"))
 
 
@@ -97,7 +105,7 @@ def test_the_engine_dies_with_a_killed_driver(tmp_path):
     assert record.read(folder)["state"] == "running" and "interrupted  killed; the same command goes on" in table
 
 
-@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_stop_waits_for_the_checkpoint_and_goes_on_from_it(tmp_path, number, code):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     process = start(FAKE, *LINEAR, "--results", tmp_path)
@@ -311,6 +319,52 @@ def test_a_failure_has_a_reason_an_exit_code_and_keeps_what_is_good(tmp_path, be
     (folder / "behave").write_text("well")
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0  # mended, it goes on
     assert_no_gap(folder)
+
+
+def test_two_runs_that_start_in_the_same_instant_are_one(tmp_path):
+    both = [start(FAKE, *LINEAR, "--results", tmp_path) for _ in range(2)]
+    said = [process.communicate(timeout=60) for process in both]
+    assert sorted(process.returncode for process in both) == [0, 1], said
+    assert any("in progress already, process" in err for _, err in said)
+    assert_no_gap(run_folder(tmp_path, "linear-mu0.8", "yade"))
+
+
+def test_a_run_whose_reader_goes_away_goes_on_in_silence(tmp_path):
+    process = start(FAKE, *LINEAR, "--results", tmp_path)
+    process.stdout.close()  # as `make run | head` does
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (0, "")
+    assert record.read(run_folder(tmp_path, "linear-mu0.8", "yade"))["state"] == "finished"
+
+
+def test_where_a_file_system_has_no_locks_a_run_is_still_refused_to_others(tmp_path):
+    first = start(NO_LOCKS, *LINEAR, "--results", tmp_path)
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    wait_for(folder / "raw" / "preload.csv", first)
+    second = drive(NO_LOCKS, *LINEAR, "--results", tmp_path)
+    assert second.returncode == 1 and f"in progress already, process {first.pid} on {record.host()}" in second.stderr
+    assert first.communicate(timeout=60) and first.returncode == 0
+    assert_no_gap(folder)
+    assert "finished already" in drive(NO_LOCKS, *LINEAR, "--results", tmp_path).stdout
+
+
+def git(folder, *words):
+    return subprocess.run(["git", "-C", folder, *words], check=True, capture_output=True, text=True).stdout.strip()
+
+
+def test_a_copy_inside_another_repository_does_not_take_its_commit(tmp_path, monkeypatch):
+    git(tmp_path, "init", "-q")
+    git(tmp_path, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "other")
+    monkeypatch.setattr(record, "ROOT", tmp_path)
+    assert record.git() == {"git_commit": git(tmp_path, "rev-parse", "HEAD"), "git_dirty": False}
+    (tmp_path / "unpacked").mkdir()
+    for root in (tmp_path / "unpacked", tmp_path / "nowhere"):
+        monkeypatch.setattr(record, "ROOT", root)
+        found = record.git()
+        assert found["git_commit"].startswith("unknown (release ") and found["git_dirty"] is None
+        assert record.short_commit(found["git_commit"]) == found["git_commit"]
+    monkeypatch.setenv("GIT_DIR", str(tmp_path / ".git"))  # as a hook would set it
+    assert record.git()["git_commit"].startswith("unknown")
 
 
 def test_a_missing_engine_is_one_line(tmp_path):

@@ -4,6 +4,7 @@ A stage advances in blocks of steps. After each block it appends a row to raw/st
 (SIGTERM, SIGINT), which ends it with exit code 75.
 """
 
+import contextlib
 import faulthandler
 import gzip
 import json
@@ -56,6 +57,9 @@ class Stage:
             signal.signal(number, self._request_stop)
         (run / "raw").mkdir(exist_ok=True)
         (run / "checkpoints").mkdir(exist_ok=True)
+        # YADE's own folder in /tmp, of which nothing is used here, would stay where the process is killed.
+        with contextlib.suppress(OSError):
+            Path(O.tmpFilename()).parent.rmdir()
 
     def _request_stop(self, *_) -> None:
         self._stop = True

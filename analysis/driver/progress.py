@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 import time
@@ -23,7 +24,7 @@ class Progress:
         """Show the present state; may be called as often as one likes."""
         if self._renew:
             width = shutil.get_terminal_size().columns - 1
-            print("\r\033[K" + f"{self.name} | {text}"[:width], end="", flush=True)
+            _write("\r\033[K" + f"{self.name} | {text}"[:width], end="")
             self._open = True
         elif time.monotonic() >= self._next:
             self._print(text)
@@ -32,13 +33,21 @@ class Progress:
     def say(self, text: str) -> None:
         """Print a line that stays."""
         if self._open:
-            print("\r\033[K", end="")
+            _write("\r\033[K", end="")
             self._open = False
         self._print(text)
         self._next = time.monotonic() + LINE_EVERY_S
 
     def _print(self, text: str) -> None:
-        print(f"{self.name} | {text}", flush=True)
+        _write(f"{self.name} | {text}")
+
+
+def _write(text: str, end: str = "\n") -> None:
+    """Print; where nobody listens any more (a closed terminal, `| head`) a run goes on in silence."""
+    try:
+        print(text, end=end, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class Meter:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import platform
 import socket
 import subprocess
@@ -50,17 +51,31 @@ def versions(engine: str) -> dict[str, str]:
 
 
 def git() -> dict:
-    """Commit of the working tree and whether tracked files differ from it; None outside a repository."""
+    """Commit of the working tree, and whether tracked files differ from it (None where there is no commit).
+
+    A copy without its own repository, perhaps unpacked inside another one, is known by its release only.
+    """
 
     def ask(*words: str) -> str | None:
+        # The folder may belong to somebody else, as under sudo; and a hook may have named another repository.
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+        command = ["git", "-c", f"safe.directory={ROOT}", "-C", str(ROOT), *words]
         try:
-            done = subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=False)
-        except FileNotFoundError:
+            done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        except OSError:
             return None
-        return done.stdout.strip() if done.returncode == 0 else None
+        return done.stdout.rstrip("\n") if done.returncode == 0 else None
 
-    changes = ask("status", "--porcelain", "--untracked-files=no")
-    return {"git_commit": ask("rev-parse", "HEAD"), "git_dirty": None if changes is None else bool(changes)}
+    top = ask("rev-parse", "--show-toplevel")
+    commit = ask("rev-parse", "HEAD") if top and Path(top).resolve() == ROOT else None
+    if not commit:
+        return {"git_commit": f"unknown (release {metadata.version('ballast-analysis')})", "git_dirty": None}
+    return {"git_commit": commit, "git_dirty": bool(ask("status", "--porcelain", "--untracked-files=no"))}
+
+
+def short_commit(commit: str) -> str:
+    """A commit as people quote it; `unknown (release ...)` as it is."""
+    return commit[:10] if len(commit) == 40 else commit
 
 
 def relative(path: Path) -> str:

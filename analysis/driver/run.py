@@ -99,12 +99,9 @@ class Run:
                     return
                 self._prepare()
                 self._guard(self._load)
-        except Busy:
-            other = (record.read(self.folder) or {}).get("timing", {})
-            raise RunError(
-                f"{self.title} | in progress already, process {other.get('pid')} on {other.get('host')}; "
-                f"`make status` shows it"
-            ) from None
+        except Busy as busy:
+            who = "process {pid} on {host}".format(**busy.holder) if busy.holder else "by another process"
+            raise RunError(f"{self.title} | in progress already, {who}; `make status` shows it") from None
 
     def pack(self) -> None:
         """Packing, unless it is done. Two runs may need the same bed: the second one waits for the first."""

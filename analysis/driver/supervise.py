@@ -34,15 +34,17 @@ class Interrupted(Exception):
 
 
 class StopRequest:
-    """Notes SIGINT and SIGTERM. The first asks the engine to stop; only a further Ctrl-C kills it.
+    """Notes SIGINT, SIGTERM and SIGHUP (a closed terminal). The first asks the engine to stop; a further Ctrl-C kills it.
 
-    A batch system may well deliver SIGTERM twice, to the driver and through its parent.
+    A batch system may well deliver SIGTERM twice, to the driver and through its parent. Under `nohup` SIGHUP stays
+    ignored.
     """
 
     def __init__(self):
         self.signal, self.kill = 0, False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._note)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self._note)
 
     def _note(self, number: int, _frame) -> None:
         self.kill = bool(self.signal) and number == signal.SIGINT

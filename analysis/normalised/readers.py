@@ -39,7 +39,7 @@ _INFO_TYPES = {
     "seed": int,
     "bed": str,
     "git_commit": str,
-    "git_dirty": bool,
+    "git_dirty": (bool, type(None)),
     "host": str,
     "ranks": int,
     "threads": int,

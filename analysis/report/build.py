@@ -157,7 +157,7 @@ def version_stamp() -> str:
     """Version of the analysis and commit of the working tree, as it stands under every figure."""
     git = record.git()
     commit = (
-        f", commit {git['git_commit'][:10]}{' with uncommitted changes' if git['git_dirty'] else ''}"
+        f", commit {record.short_commit(git['git_commit'])}{' with uncommitted changes' if git['git_dirty'] else ''}"
         if git["git_commit"]
         else ""
     )

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison.quantities import last_cycle
+from analysis.driver import record
 from analysis.normalised import tables
 from analysis.normalised.readers import Run
 from analysis.report.figure import run_id
@@ -87,7 +88,7 @@ def runs_page(data: ReportData) -> dict:
     for run in (*data.runs, *data.variants):
         versions = run.info.get("versions", {})
         state, reason = state_of(run)
-        commit = str(run.info.get("git_commit") or "")[:10] or "–"
+        commit = record.short_commit(run.info.get("git_commit") or "–")
         summary.rows.append(
             [
                 run.id,

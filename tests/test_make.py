@@ -1,0 +1,273 @@
+"""What stands around the driver: the Makefile's variables, the set-up, the batch script, kept and deleted runs."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from driver import FAKE, ROOT, copy_run, drive, run_folder, wait_until
+
+from analysis.driver import keep, record
+from analysis.driver.locks import hold
+
+SHOW = f"{sys.executable} -c 'import sys; print(sys.argv[1:])'"
+AWKWARD = (
+    "$(touch x)",
+    "$(shell touch x)",
+    "`touch x`",
+    "a b",
+    "it's",
+    'say "so"',
+    "x;touch x",
+    "#half",
+    "$HOME",
+    "a&b|c>d",
+)
+
+
+def make(*arguments, **options):
+    """Run make without its set-up; commands of the analysis print their arguments instead."""
+    command = ["make", "--no-print-directory", "-o", "setup", "-o", ".venv/installed", f"ANALYSIS={SHOW}", *arguments]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False, **options)
+
+
+@pytest.mark.parametrize("value", AWKWARD)
+def test_a_variable_of_make_reaches_the_command_as_it_was_typed(value):
+    variables = {"RESULTS": "--results", "BED": "--bed", "SEED": "--seed", "PROFILE": "--profile", "SCENARIO": "--"}
+    typed = make("run", *(f"{name}={value}" for name in variables))
+    inherited = make("run", env=os.environ | dict.fromkeys(variables, value))
+    for done in (typed, inherited):
+        assert done.returncode == 0, done.stderr
+        assert all(repr(f"{option}={value}") in done.stdout for option in variables.values() if option != "--")
+        assert done.stdout.endswith(f"'--', {value!r}]\n")
+    assert not (ROOT / "x").exists()
+
+
+@pytest.mark.parametrize("value", AWKWARD)
+def test_a_scenario_of_any_name_reaches_every_command_as_it_was_typed(value):
+    done = make("keep", "view", "distclean-run", "impact", f"SCENARIO={value}", f"CASE={value}")
+    assert [line.endswith(f"'--', {value!r}]") for line in done.stdout.splitlines()] == [True] * 4
+    if "$" not in value:  # make itself reads a dollar in the name of a target
+        assert make(f"yade-{value}").stdout.endswith(f"'--', {value!r}]\n")
+    assert not (ROOT / "x").exists()
+
+
+# ---------------------------------------------------------------------- set-up
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A checkout's set-up files, in a folder with a space, and a Python that makes environments without packages."""
+    folder = tmp_path / "my study"
+    folder.mkdir()
+    for name in ("setup.sh", "pyproject.toml", "README.md"):
+        shutil.copy(ROOT / name, folder)
+    (folder / "results").mkdir()
+    (folder / "results" / "run.json").write_text("precious")
+    return folder
+
+
+def set_up(folder, word):
+    return subprocess.run(
+        ["bash", folder / "setup.sh", word], capture_output=True, text=True, timeout=60, check=False, cwd="/"
+    )
+
+
+@pytest.mark.parametrize("damage", ["nothing there", "link to a Python that is gone", "packages of another Python"])
+def test_an_environment_that_cannot_be_used_is_noticed(copy, damage):
+    binaries = copy / ".venv" / "bin"
+    if damage != "nothing there":
+        binaries.mkdir(parents=True)
+        (copy / ".venv" / "installed").touch()
+        (binaries / "python").symlink_to("/nowhere/python3.10" if "link" in damage else "/usr/bin/true")
+    if "packages" in damage:  # it starts, but cannot load what was installed
+        (binaries / "python").unlink()
+        (binaries / "python").write_text('#!/bin/sh\nexec python3 -I -S "$@"\n')
+        (binaries / "python").chmod(0o755)
+    assert "cannot be used" in set_up(copy, "works").stdout
+
+
+def test_a_broken_environment_is_made_anew_and_results_stay(copy):
+    binaries = copy / ".venv" / "bin"
+    binaries.mkdir(parents=True)
+    (binaries / "python").symlink_to("/nowhere/python3.10")
+    (copy / ".venv" / "installed").touch()
+    # a pip that installs nothing: what is tested is that it comes to be asked, in a new environment
+    (copy / "sitecustomize.py").write_text("")
+    made = subprocess.run(
+        ["bash", copy / "setup.sh", "environment"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(copy), "PYTHON": sys.executable},
+    )
+    assert "made anew" in made.stdout and "pip could not install" in made.stderr  # this test has no package index
+    assert (binaries / "python").exists() and not (copy / ".venv" / "installed").exists()
+    assert (copy / "results" / "run.json").read_text() == "precious"
+
+
+def test_the_environment_of_this_checkout_works():
+    assert set_up(ROOT, "works").stdout == ""
+
+
+def test_the_host_is_built_again_when_the_library_is_another_one(tmp_path):
+    library = tmp_path / "liggghts" / "build" / "library"
+    shutil.copytree(ROOT / "liggghts", tmp_path / "liggghts", ignore=shutil.ignore_patterns("build"))
+
+    def due() -> bool:
+        done = subprocess.run(
+            ["make", "-C", tmp_path / "liggghts", "-q", "build/main.o"], check=False, capture_output=True
+        )
+        return done.returncode != 0
+
+    def built() -> None:
+        subprocess.run(["make", "-C", tmp_path / "liggghts", "build/library"], check=True, capture_output=True)
+
+    built()
+    before = library.read_text()
+    (tmp_path / "liggghts" / "build" / "main.o").touch()
+    os.utime(library, (1, 1))
+    built()
+    assert library.stat().st_mtime == 1, "the same library is no reason to build"
+    library.write_text("another release\n")
+    os.utime(library, (1, 1))
+    built()
+    assert library.read_text() == before and library.stat().st_mtime > 1 and due()
+
+
+# ---------------------------------------------------------------------- Slurm
+
+STAND_IN = """#!/bin/sh
+trap '' TERM
+echo started > started
+while [ ! -f end ]; do sleep 0.05; done
+echo written > checkpoint
+exit 143
+"""
+
+
+@pytest.mark.parametrize(
+    "environment, asked",
+    [
+        ({"SLURM_JOB_ID": "7"}, "requeue 7"),
+        ({"SLURM_JOB_ID": "9", "SLURM_ARRAY_JOB_ID": "7", "SLURM_ARRAY_TASK_ID": "3"}, "requeue 7_3"),
+    ],
+)
+def test_a_batch_job_waits_for_the_checkpoint_and_is_queued_again(tmp_path, environment, asked):
+    for name, text in ((".venv/bin/python", STAND_IN), ("scontrol", '#!/bin/sh\necho "$@" > asked\n')):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+    job = subprocess.Popen(
+        ["bash", ROOT / "slurm.sh"],
+        env=os.environ | environment | {"SLURM_SUBMIT_DIR": str(tmp_path), "PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        stdout=subprocess.DEVNULL,
+    )
+    wait_until((tmp_path / "started").exists, "the run did not start")
+    for _ in range(3):
+        job.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+    assert job.poll() is None and not (tmp_path / "checkpoint").exists()
+    (tmp_path / "end").touch()
+    assert job.wait(20) == 0
+    assert (tmp_path / "checkpoint").exists() and (tmp_path / "asked").read_text().strip() == asked
+
+
+# ---------------------------------------------------------------------- kept and deleted runs
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """Results with one finished run of one cycle."""
+    results = tmp_path_factory.mktemp("short")
+    done = drive(FAKE, "linear-mu0.8", "--code", "yade", "--cycles", 1, "--results", results)
+    assert done.returncode == 0, done.stderr
+    return results
+
+
+@pytest.fixture
+def run(short, tmp_path):
+    """A copy of that run, and where it would be kept."""
+    folder = copy_run(
+        run_folder(short, "linear-mu0.8", "yade"), run_folder(tmp_path / "results", "linear-mu0.8", "yade")
+    )
+    return folder, run_folder(tmp_path / "kept", "linear-mu0.8", "yade")
+
+
+def command(name, run, *more):
+    results = run[0].parent.parent.parent
+    out = ["--out", run[1].parent.parent.parent] if name == "keep" else []
+    return (FAKE[0], "-m", "analysis", name), "linear-mu0.8", "--code", "yade", "--results", results, *out, *more
+
+
+def change_state(folder, **changes):
+    (folder / "run.json").write_text(json.dumps(record.read(folder) | changes))
+
+
+def test_keep_says_what_it_kept_and_leaves_nothing_of_an_older_keep(run):
+    folder, target = run
+    target.mkdir(parents=True)
+    (target / "microstructure_of_old.csv").write_text("old")
+    done = drive(*command("keep", run))
+    assert done.returncode == 0 and "finished, 1 of 1 cycles" in done.stdout
+    assert sorted(path.name for path in target.iterdir()) == sorted(keep.FILES)
+    assert all((target / name).read_bytes() == (folder / name).read_bytes() for name in keep.FILES)
+    assert [path.name for path in target.parent.iterdir()] == [target.name]
+
+
+def test_a_failed_run_is_kept_only_when_asked(run):
+    folder, target = run
+    change_state(folder, state="failed", reason="diverged: overlap")
+    done = drive(*command("keep", run))
+    assert done.returncode == 1 and "has failed (diverged: overlap); --failed keeps it" in done.stderr
+    assert not target.exists()
+    done = drive(*command("keep", run, "--failed"))
+    assert done.returncode == 0 and "failed, 1 of 1 cycles (diverged: overlap)" in done.stdout
+
+
+def test_a_run_in_progress_is_not_kept(run):
+    folder, target = run
+    change_state(folder, state="running")
+    with hold(folder / "run.lock"):
+        done = drive(*command("keep", run))
+    assert done.returncode == 1 and "is running" in done.stderr and not target.exists()
+
+
+def test_a_keep_that_fails_leaves_the_older_one_as_it_was(run):
+    folder, target = run
+    assert drive(*command("keep", run)).returncode == 0
+    before = {path.name: path.read_bytes() for path in target.iterdir()}
+    change_state(folder, title="another")
+    (folder / "microstructure.csv").unlink()
+    (folder / "microstructure.csv").mkdir()  # cannot be copied
+    done = drive(*command("keep", run))
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "nothing was kept" in done.stderr
+    assert {path.name: path.read_bytes() for path in target.iterdir()} == before
+    assert [path.name for path in target.parent.iterdir()] == [target.name]
+
+
+def test_what_is_no_whole_result_is_not_kept(run):
+    (run[0] / "stages.json").unlink()
+    done = drive(*command("keep", run))
+    assert done.returncode == 1 and "stages.json: is missing" in done.stderr and not run[1].exists()
+
+
+def test_a_run_is_deleted_only_after_yes_and_never_while_it_runs(run):
+    folder, _ = run
+    (arguments, *more) = command("delete", run)
+    ask = [*arguments, *map(str, more)]
+
+    def answer(text):
+        return subprocess.run(ask, cwd=ROOT, input=text, capture_output=True, text=True, timeout=60, check=False)
+
+    assert answer("no\n").returncode == 1 and (folder / "cycles.csv").exists()
+    with hold(folder / "run.lock"):
+        done = answer("yes\n")
+        assert done.returncode == 1 and "is running" in done.stderr and (folder / "cycles.csv").exists()
+    assert answer("yes\n").returncode == 0 and not folder.exists()
