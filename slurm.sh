@@ -11,7 +11,17 @@
 #SBATCH --output=slurm-%A_%a.log
 #
 # sbatch slurm.sh                       all runs of the study ([study] in scenarios.toml), one core each
-# sbatch --array=0,3 slurm.sh           two of them; `run='' asked=''
+# sbatch --array=0,3 slurm.sh           two of them; `.venv/bin/python -m analysis study --list` prints the list
+#
+# A job that comes to its time limit or is preempted writes a checkpoint, is queued again and goes on from it, because the
+# command of an unfinished run resumes it. `make setup` must have been run once, on a file system that all nodes see.
+# MPI: set --ntasks=NP, and add NP=... below; a resumed run needs the same number.
+set -uo pipefail
+cd "${SLURM_SUBMIT_DIR:-.}"
+
+task=${SLURM_ARRAY_TASK_ID:-0}
+
+run='' asked=''
 trap 'asked=yes; [[ -z $run ]] || kill -TERM $run' TERM INT HUP
 .venv/bin/python -m analysis study --array "$task" &
 run=$!

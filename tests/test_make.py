@@ -271,3 +271,12 @@ def test_a_run_is_deleted_only_after_yes_and_never_while_it_runs(run):
         done = answer("yes\n")
         assert done.returncode == 1 and "is running" in done.stderr and (folder / "cycles.csv").exists()
     assert answer("yes\n").returncode == 0 and not folder.exists()
+
+
+def test_a_run_with_variants_is_kept_under_its_id(run):
+    folder, target = run
+    varied = folder.parent.with_name("linear-mu0.8+half-step+servo")
+    folder.parent.rename(varied)
+    done = drive(*command("keep", (varied / "yade", target), "--variant", "servo,half-step"))
+    assert done.returncode == 0, done.stderr
+    assert (target.parent.with_name("linear-mu0.8+half-step+servo") / "yade" / "cycles.csv").exists()

@@ -13,11 +13,13 @@ from analysis.driver.engines import CODES
 from analysis.driver.locks import Busy, hold
 from analysis.driver.run import cycles_done, run_folder
 from analysis.files import ROOT
+from analysis.scenarios.scenario import join_id, split_id, split_variants
 
 
 def add_identity(parser: Parser) -> None:
     """Arguments that say which run is meant."""
     parser.add_argument("scenario", help="a scenario that was run")
+    parser.add_argument("--variant", default="", help="its variants, e.g. servo or servo,same-bed")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo", help="demo (default) or full")
     parser.add_argument("--seed", type=int, default=1)
@@ -26,7 +28,9 @@ def add_identity(parser: Parser) -> None:
 
 def folder_of(options: argparse.Namespace, base: Path) -> Path:
     """Folder below `base` of the run that the arguments mean."""
-    return run_folder(base, options.profile, options.scenario, options.code, options.seed)
+    name, variants = split_id(options.scenario)
+    identity = join_id(name, (*variants, *split_variants(options.variant)))
+    return run_folder(base, options.profile, identity, options.code, options.seed)
 
 
 def main(argv: list[str]) -> int:

@@ -58,7 +58,7 @@ def makefile(rows: list[study.Row], command: str) -> str:
             ".PHONY: study $(rows)",
             "study: $(rows)",
             "$(rows):",
-            f"\t@{command} --row $@",
+            "\t@" + command.replace("$", "$$") + " --row $@",
             *waits,
             "",
         ]

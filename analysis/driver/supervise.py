@@ -34,7 +34,7 @@ class Interrupted(Exception):
 
 
 class StopRequest:
-    """Notes SIGINT, SIGTERM and SIGHUP (a closed terminal). The first asks the engine to stop; a further Ctrl-C kills it.
+    """Notes SIGINT, SIGTERM and SIGHUP (a closed terminal). The first asks the engine to stop; a further Ctrl-C kills.
 
     A batch system may well deliver SIGTERM twice, to the driver and through its parent. Under `nohup` SIGHUP stays
     ignored.

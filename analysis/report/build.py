@@ -157,7 +157,8 @@ def version_stamp() -> str:
     """Version of the analysis and commit of the working tree, as it stands under every figure."""
     git = record.git()
     commit = (
-        f", commit {record.short_commit(git['git_commit'])}{' with uncommitted changes' if git['git_dirty'] else ''}"
+        f", commit {record.short_commit(git['git_commit'])}"
+        f"{' with uncommitted changes' if git['git_dirty'] else ''}"
         if git["git_commit"]
         else ""
     )
