@@ -14,7 +14,7 @@ MAY_IMPORT = {
     "laws_bond": set(),
     "files": set(),
     "arguments": set(),
-    "scenarios": {"laws", "files"},
+    "scenarios": {"laws", "laws_bond", "files"},
     "normalised": {"scenarios", "files"},
     "driver": {"scenarios", "normalised", "files", "arguments"},
     "reference": {"scenarios", "files", "arguments"},

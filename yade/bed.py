@@ -109,6 +109,10 @@ class Bed:
             numbers[members] = number
         return numbers
 
+    def body_ids(self) -> list[int]:
+        """YADE's ids of the clumps, in the order of `numbers`."""
+        return [body.id for body in self._bodies]
+
     def write(self, path: Path) -> None:
         """Write the common bed file."""
         lines = [HEADER]

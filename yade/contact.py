@@ -14,11 +14,13 @@ from yade.wrapper import (
     Bo1_Box_Aabb,
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
+    CohFrictPhys,
     FrictMat,
     FrictViscoMat,
     FrictViscoPhys,
     Ig2_Box_Sphere_ScGeom,
     Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Sphere_Sphere_ScGeom6D,
     Ig2_Wall_Sphere_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
@@ -35,7 +37,9 @@ from yade.wrapper import (
     PartialSatMat,
 )
 
+import bond
 from analysis import laws
+from analysis.scenarios import derived
 
 O = Omega()
 VERLET_DISTANCE = 0.0004
@@ -53,7 +57,8 @@ class ContactLaw:
     side_material -- material of the end wall and the side walls, another one only where their friction is
     """
 
-    def __init__(self, scenario, model: str):
+    def __init__(self, scenario, model: str, bonded: bool = True):
+        """`bonded` False leaves out the scenario's bonds, while they are not yet made."""
         self.scenario, self.model = scenario, model
         density = scenario["clump.density"]
         damping = scenario["contact.particle_particle.damping_ratio"]
@@ -91,6 +96,10 @@ class ContactLaw:
             self.shells, self.wall_mask = (("particle", MEETS_PARTICLES),), MEETS_PARTICLES
             plain = isinstance(self._between, Ip2_FrictMat_FrictMat_FrictPhys)
             self._at_walls = self._between if plain else Ip2_FrictMat_FrictMat_FrictPhys()
+        self.bonded = bonded and derived.bond(scenario) is not None
+        if self.bonded:
+            O.materials.append(bond.material(density))
+            self.shells += ((bond.MATERIAL, bond.MEETS_NOTHING),)
         self.set_stiffness(1.0)
         self.set_friction(scenario["contact.particle_particle.friction"], scenario["contact.particle_wall.friction"])
 
@@ -121,7 +130,7 @@ class ContactLaw:
             else:
                 functor.kRatio = self._pairs(ks / kn, wall_ks / wall_kn)
         for i in O.interactions:
-            if i.isReal and not isinstance(i.phys, MindlinPhys):
+            if i.isReal and not isinstance(i.phys, (MindlinPhys, CohFrictPhys)):
                 new = (wall_kn, wall_ks) if self._is_wall(i) else (kn, ks)
                 if isinstance(i.phys, FrictViscoPhys):
                     i.phys.cn *= math.sqrt(new[0] / i.phys.kn)
@@ -134,7 +143,7 @@ class ContactLaw:
         for functor in self._functors:
             functor.frictAngle = self._pairs(*map(math.atan, (particle, wall, side)))
         for i in O.interactions:
-            if i.isReal:
+            if i.isReal and not bond.is_bond(i):
                 first = O.bodies[i.id1].material.id  # YADE puts the wall first
                 i.phys.tangensOfFrictionAngle = of_material.get(first, particle)
 
@@ -142,7 +151,11 @@ class ContactLaw:
         return O.bodies[interaction.id1].material.id in (self.wall, self.side)
 
     def engines(self) -> list:
-        """Collider and contact loop."""
+        """Collider and contact loop; with bonds, what watches them."""
+        between, making, acting = Ig2_Sphere_Sphere_ScGeom, self._functors, []
+        if self.bonded:
+            between, (makes_bonds, bond_law) = Ig2_Sphere_Sphere_ScGeom6D, bond.functors()
+            making, acting = [*making, makes_bonds], [bond_law]
         return [
             InsertionSortCollider(
                 [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb()],
@@ -154,18 +167,20 @@ class ContactLaw:
             # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS.
             InteractionLoop(
                 [
-                    Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False),
+                    between(avoidGranularRatcheting=False),
                     Ig2_Box_Sphere_ScGeom(),
                     Ig2_Wall_Sphere_ScGeom(noRatch=False),
                 ],
-                self._functors,
+                making,
                 [
                     Law2_ScGeom_FrictPhys_CundallStrack(),
                     Law2_ScGeom_FrictViscoPhys_CundallStrackVisco(),
                     Law2_ScGeom_MindlinPhys_Mindlin(),
+                    *acting,
                 ],
                 label="contacts",
             ),
+            *([bond.Bonds.engine()] if self.bonded else []),
         ]
 
 
@@ -193,4 +208,4 @@ def deviations(scenario) -> list[str]:
         found.append("contact.dashpot_limit has no effect: YADE has no hysteretic dashpot that could be capped.")
     if scenario["contact.particle_wall.damping_ratio"] > 0:
         found.append("The slip limit at walls includes the dashpot's force.")
-    return found
+    return found + bond.deviations(scenario)

@@ -16,6 +16,7 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 
 import stage  # noqa: E402
 from bed import Bed  # noqa: E402
+from bond import Bonds  # noqa: E402
 from contact import SAME_REACH  # noqa: E402
 from load_control import LoadControl  # noqa: E402
 from state import write_contacts  # noqa: E402
@@ -35,6 +36,7 @@ def load(run: stage.Stage, checkpoint: Path) -> None:
     run.bed = Bed(s, json.loads(O.tags["clumps"]))
     run.control = LoadControl(s, run.box, run.raw("cyclic.csv"), json.loads(O.tags["load_control"]))
     run.control.cycle()
+    run.bonds = Bonds(s, O.tags["bonds"]) if "bonds" in O.tags else None
 
 
 def save(run: stage.Stage, name: str) -> None:
@@ -64,6 +66,8 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
         if part == 0:
             if cycle in keep or cycle == cycles:
                 write_contacts(run.bed, run.raw(f"contacts_cycle_{cycle:06d}.csv"))
+                if run.bonds:
+                    run.bonds.write(run.bed, run.raw(f"bonds_cycle_{cycle:06d}.csv"))
             run.bed.write(run.raw(f"bed_cycle_{cycle:06d}.csv"))
             if cycle % s["output.checkpoint_cycles"] == 0 or cycle == cycles:
                 save(run, f"cyclic_{cycle:06d}")

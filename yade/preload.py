@@ -18,6 +18,7 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 import apparatus  # noqa: E402
 import stage  # noqa: E402
 from bed import Bed  # noqa: E402
+from bond import Bonds  # noqa: E402
 from contact import ContactLaw, deviations  # noqa: E402
 from files import write_aside  # noqa: E402
 from load_control import LoadControl  # noqa: E402
@@ -34,6 +35,8 @@ def preload(run: stage.Stage, _) -> None:
     apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_packed.csv"), law.shells)
+    if law.bonded:
+        run.bonds = Bonds(s)
     run.control = LoadControl(s, run.box, run.raw("preload.csv"))
     O.dt = run.grid.step_s
     O.engines = [
@@ -42,6 +45,9 @@ def preload(run: stage.Stage, _) -> None:
         run.control.engine(),
         NewtonIntegrator(damping=s["rest.local_damping"], gravity=(0, 0, -s["packing.final_gravity"]), label="newton"),
     ]
+    if run.bonds:
+        run.bonds.make()  # needs the contact loop's functors
+        print(f"preload: {run.bonds.made} bonds between clumps that touch", flush=True)
     run.start_state_file()
     run.control.start_file()
 
@@ -72,6 +78,8 @@ def preload(run: stage.Stage, _) -> None:
             )
 
     write_contacts(run.bed, run.raw("contacts_preloaded.csv"))
+    if run.bonds:
+        run.bonds.write(run.bed, run.raw("bonds_preloaded.csv"))
     run.bed.write(run.raw("bed_preloaded.csv"))
     run.control.n = 0  # the cyclic stage counts its own steps
     run.step = 0

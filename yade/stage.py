@@ -48,6 +48,7 @@ class Stage:
 
     def __init__(self, name: str, run: Path):
         self.name, self.run, self.step, self.bed, self.control = name, run, 0, None, None
+        self.bonds = None
         self.scenario = Scenario.from_json((run / "scenario.json").read_text())
         self.grid = derived.time_grid(self.scenario)
         self.box = derived.apparatus(self.scenario)
@@ -167,6 +168,8 @@ class Stage:
         O.tags["step"] = str(self.step)
         O.tags["clumps"] = json.dumps(self.bed.numbers)
         O.tags["load_control"] = json.dumps(self.control.memory())
+        if self.bonds:
+            O.tags["bonds"] = self.bonds.memory()
         O.interactions.serializeSorted = True  # contacts in the order of bodies: a tenth faster after the load
         aside = folder / f"partial_{name}.yade.gz"  # YADE compresses by the ending
         _reserve(aside, CHECKPOINT_BYTES_PER_CLUMP * (len(self.bed.numbers) + 20))

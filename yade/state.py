@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from yade.wrapper import Omega
 
+from bond import is_bond
 from files import write_aside
 
 O = Omega()
@@ -16,7 +17,7 @@ LIMIT = 1 - 1e-6
 
 @dataclass
 class Contacts:
-    """All real contacts, one array entry each. Body 1 is the wall of a wall contact."""
+    """All real contacts, bonds aside, one array entry each. Body 1 is the wall of a wall contact."""
 
     body_1: np.ndarray
     body_2: np.ndarray
@@ -35,7 +36,7 @@ class Contacts:
         """Read them from YADE: the forces of the last step."""
         rows = []
         for i in O.interactions:
-            if i.isReal:
+            if i.isReal and not is_bond(i):
                 geom, phys = i.geom, i.phys
                 rows.append(
                     (

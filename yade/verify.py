@@ -4,8 +4,9 @@ analysis/verification/probes.py makes them and reads what they give.
 
     yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
 
-Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds, for
-every sphere, centre, velocity (half a step earlier), spin, contact force and contact torque after n steps;
+Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds
+the numbers of contacts and of bonds, and for
+every sphere, centre, velocity (half a step earlier), spin, force and torque of contacts and bonds after n steps;
 OUTPUT_FOLDER/<name>_contacts.json the properties of the contacts at the end.
 """
 
@@ -26,6 +27,7 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 
 from analysis.scenarios.scenario import Scenario  # noqa: E402
 from bed import HEADER, Bed  # noqa: E402
+from bond import Bonds, is_bond  # noqa: E402
 from contact import ContactLaw  # noqa: E402
 
 O = Omega()
@@ -84,15 +86,19 @@ def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list
 class Recorder:
     """Keeps a row each time it is called and moves the first ball along its path."""
 
-    def __init__(self, probe: dict, spheres: list[list[int]], driven: int | None):
+    def __init__(self, probe: dict, spheres: list[list[int]], driven: int | None, bonds: Bonds | None):
         self.spheres, self.rows = spheres, []
         self.driven = O.bodies[driven].state if driven is not None else None
+        self.bonds = bonds
         self.velocities = [Vector3(*velocity) for velocity, steps in probe["path"] for _ in range(steps)]
+        spins = probe["spins"] or [probe["balls"][0]["spin"] for _ in probe["path"]] if probe["path"] else []
+        self.spins = [Vector3(*spin) for spin, (_, steps) in zip(spins, probe["path"]) for _ in range(steps)]
         __main__.verify_step = self.step  # where PyRunner looks names up
 
     def step(self) -> None:
         """Stands between the contact loop and the integrator."""
-        row = [O.interactions.countReal()]
+        held = self.bonds.count() if self.bonds else 0
+        row = [O.interactions.countReal() - held, held]
         for ids in self.spheres:
             state = O.bodies[ids[0]].state
             force, torque = Vector3.Zero, Vector3.Zero
@@ -102,7 +108,8 @@ class Recorder:
             row += [*state.pos, *state.vel, *state.angVel, *force, *torque]
         self.rows.append(row)
         if self.velocities:
-            self.driven.vel = self.velocities[min(O.iter, len(self.velocities) - 1)]
+            now = min(O.iter, len(self.velocities) - 1)
+            self.driven.vel, self.driven.angVel = self.velocities[now], self.spins[now]
 
 
 def run(probe: dict, folder: Path) -> None:
@@ -118,7 +125,8 @@ def run(probe: dict, folder: Path) -> None:
     driven = balls[0][0] if probe["path"] else None
     if driven is not None:
         O.bodies[driven].dynamic = False
-    recorder = Recorder(probe, spheres, driven)
+    bonds = Bonds(scenario) if law.bonded else None
+    recorder = Recorder(probe, spheres, driven, bonds)
     O.dt = probe["step"]
     O.engines = [
         ForceResetter(),
@@ -126,6 +134,8 @@ def run(probe: dict, folder: Path) -> None:
         PyRunner(command="verify_step()", iterPeriod=probe["every"], initRun=True),
         NewtonIntegrator(damping=0.0, gravity=(0, 0, -probe["gravity"])),
     ]
+    if bonds:
+        bonds.make()
     O.run(probe["steps"] + 1, True)
     np.save(folder / f"{probe['name']}.npy", np.array(recorder.rows))
     (folder / f"{probe['name']}_contacts.json").write_text(json.dumps(contacts()))
@@ -135,7 +145,7 @@ def contacts() -> list[dict]:
     """What YADE made of the scenario's parameters in each contact of the last step: its `phys`, and a sphere's mass."""
     found = []
     for i in O.interactions:
-        if i.isReal:
+        if i.isReal and not is_bond(i):
             wall = isinstance(O.bodies[i.id1].shape, Wall)
             values = {name: value for name, value in i.phys.dict().items() if isinstance(value, float)}
             found.append({"pair": "pw" if wall else "pp", "mass": O.bodies[i.id2].state.mass, "dt": O.dt, **values})

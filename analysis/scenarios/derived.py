@@ -1,12 +1,14 @@
-"""Quantities that follow from the scenario: clump, apparatus, time grid.
+"""Quantities that follow from the scenario: clump, bond, apparatus, time grid.
 
-Standard library only, because YADE's Python reads it too. Everything is in SI units.
+Standard library and numpy only, because YADE's Python reads it too. Everything is in SI units.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+
+from analysis import laws_bond
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,20 @@ def pfc_time_step(s) -> float:
     return s["load_control.pfc_time_step"] or time_grid(s).step_s
 
 
+def bond(s, radius_1_m: float = 0.0, radius_2_m: float = 0.0) -> laws_bond.Bond | None:
+    """The parallel bond between two spheres, by default the clump's; None where the scenario has no bonds."""
+    if s["contact.bond.model"] == "none":
+        return None
+    own = clump(s).radius_m
+    return laws_bond.bond(
+        laws_bond.bond_radius(s["contact.bond.radius_multiplier"], radius_1_m or own, radius_2_m or own),
+        *(
+            s[f"contact.bond.{key}"]
+            for key in ("normal_stiffness", "shear_stiffness", "normal_strength", "shear_strength", "reading")
+        ),
+    )
+
+
 def lattice_spacing(s) -> float:
     """Centre distance of the hexagonal lattice, m."""
     return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"]
@@ -136,7 +152,11 @@ def lattice_spacing(s) -> float:
 
 def critical_time_step(s) -> float:
     """2 sqrt(m / k) of one clump on the stiffest linear contact, s: no step above it can be stable."""
-    k = s["contact.particle_wall.normal_stiffness"]
+    k, between = s["contact.particle_wall.normal_stiffness"], 0.0
     if s["contact.model"] == "linear":
-        k = max(k, s["contact.particle_particle.normal_stiffness"])
+        between = s["contact.particle_particle.normal_stiffness"]
+    cement = bond(s)
+    if cement:
+        between += cement.normal_stiffness * cement.area
+    k = max(k, between)
     return 2 * math.sqrt(clump(s).mass_kg / k)

@@ -213,6 +213,19 @@ KEYS: dict[str, Key] = {
     "contact.particle_wall.friction": _from_zero("-", 5),
     "contact.side_friction_share": _neutral(1.0, _from_zero("-", 1)),
     **_read_by(
+        "preload",
+        "loading",
+        {  # a scenario without bonds has the neutral values of all of them
+            "contact.bond.model": _neutral("none", Key("-", str, choices=("none", "parallel"))),
+            "contact.bond.reading": _neutral("per_area", Key("-", str, choices=("per_area", "total"))),
+            "contact.bond.radius_multiplier": _neutral(1.0, _positive("-", 1)),
+            "contact.bond.normal_stiffness": _neutral(4e9, _positive("Pa/m or N/m")),
+            "contact.bond.shear_stiffness": _neutral(5e6, _positive("Pa/m or N/m")),
+            "contact.bond.normal_strength": _neutral(3e7, _positive("Pa or N")),
+            "contact.bond.shear_strength": _neutral(3e7, _positive("Pa or N")),
+        },
+    ),
+    **_read_by(
         "",
         "",
         {

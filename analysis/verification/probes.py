@@ -56,6 +56,7 @@ class Probe:
     wall -- "" for none, "linear" for the study's wall at z = 0, "hysteretic" for a wall with the particles' law
             (LIGGGHTS only: the study has no such wall)
     path -- [(velocity, steps), ...]: the first ball moves so instead of freely
+    spins -- spin of that ball in each part of the path; else it keeps its own
     gravity -- along -z, m/s2
     every -- steps between the rows of the trajectory
     """
@@ -68,6 +69,7 @@ class Probe:
     clumps: tuple[ClumpAt, ...] = ()
     wall: str = ""
     path: tuple[tuple[tuple[float, float, float], int], ...] = ()
+    spins: tuple[tuple[float, float, float], ...] = ()
     gravity: float = 0.0
     every: int = 1
 
@@ -87,9 +89,11 @@ class Trajectory:
     force: np.ndarray
     torque: np.ndarray
     contacts: np.ndarray
-    """Number of contacts, (rows,)."""
+    """Number of contacts, bonds aside, (rows,)."""
     at_limit: np.ndarray
     """Number of contacts whose hysteretic dashpot is at its limit, (rows,); nan in YADE, which has no such law."""
+    bonds: np.ndarray
+    """Number of bonds that hold, (rows,)."""
 
 
 def with_values(scenario: Scenario, name: str, **values) -> Scenario:
@@ -154,9 +158,10 @@ def _run_yade(probes: list[Probe], folder: Path):
 
 
 def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
-    values = rows[:, 1:].reshape(len(rows), -1, 5, 3)
+    values = rows[:, 2:].reshape(len(rows), -1, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
-    return Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], np.full(len(rows), np.nan))
+    contacts, bonds = rows[:, 0], rows[:, 1]
+    return Trajectory(time, *(values[:, :, k] for k in range(5)), contacts, np.full(len(rows), np.nan), bonds)
 
 
 def _run_liggghts(probes: list[Probe], folder: Path):
@@ -181,7 +186,8 @@ def _run_liggghts(probes: list[Probe], folder: Path):
     rows = np.fromfile(folder / "rows.bin").reshape(-1, 2 + 15 * spheres)
     values = rows[:, 2:].reshape(len(rows), spheres, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
-    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1])}, {}
+    nothing = np.zeros(len(rows))
+    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1], nothing)}, {}
 
 
 def _list(values) -> str:
