@@ -645,3 +645,13 @@ def test_the_papers_time_steps_lie_below_the_critical_step_of_one_contact():
     for name in ("linear-mu0.8", "nonlinear-en1.0"):
         s = load_scenario(name)
         assert 0.1 < derived.time_grid(s).step_s / derived.critical_time_step(s) < 0.5
+
+
+def test_bonds_that_are_off_leave_a_scenario_the_same():
+    """The keys of the bond stand in every scenario; the hash of one without bonds is the one it had before them."""
+    plain = load_scenario("linear-mu0.8")
+    without = {key: p for key, p in plain.parameters.items() if not key.startswith("contact.bond.")}
+    assert len(without) < len(plain.parameters)
+    older = Scenario(plain.name, plain.profile, plain.title, without)
+    assert older.hash == plain.hash
+    assert plain.replace("contact.bond.model", "parallel").hash != plain.hash

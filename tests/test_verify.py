@@ -174,7 +174,7 @@ def test_head_on_measures_of_a_known_motion():
     position, velocity, force, none = (np.zeros((len(time), 1, 3)) for _ in range(4))
     position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
     force[:, 0, 2] = np.where(inside, law.normal_stiffness * overlap, 0)
-    found = probes.Trajectory(time, position, velocity, none, force, none, none[:, 0, 0], none[:, 0, 0])
+    found = probes.Trajectory(time, position, velocity, none, force, none, *[none[:, 0, 0]] * 3)
     measured, _, _ = impacts.measure(probe, found)
     assert measured["peak_overlap_m"] == pytest.approx(1 / omega, rel=1e-5)
     assert measured["duration_s"] == pytest.approx(math.pi / omega, rel=1e-5)

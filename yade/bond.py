@@ -1,8 +1,9 @@
 """Parallel bonds between clumps, with YADE's stock cohesive law (CohFrictMat and its law with moments).
 
-YADE keeps one contact for a pair of spheres, so each clump gets a second shell of spheres which carry nothing but bonds.
-No collision mask lets them touch anything: their contacts are the bonds, made by hand. Where a broken pair still touches,
-YADE makes a contact of the shell's own material, whose stiffness is nothing: broken stays broken. The law itself knows tension or shear alone; a bond that breaks by its moments too is found here, now and then.
+YADE keeps one contact for a pair of spheres. Each clump therefore gets a second shell of spheres that carry nothing but
+bonds. No collision mask lets them touch anything: their contacts are the bonds, made by hand. Where a broken pair still
+overlaps, YADE makes a contact of the shell's own material, whose stiffness is nothing: broken stays broken.
+The law itself knows tension or shear alone; a bond that breaks by its moments too is found here, now and then.
 """
 
 from __future__ import annotations
@@ -141,7 +142,8 @@ class Bonds:
             sheared = interaction.isReal and interaction.phys.kn > 0.5 * law.normal_stiffness * law.area
             return laws_bond.SHEAR if sheared else laws_bond.TENSION
         tensile, shear = (
-            s / limit for s, limit in zip(stress_of(interaction, law), (law.tensile_strength, law.shear_strength))
+            s / limit
+            for s, limit in zip(stress_of(interaction, law), (law.tensile_strength, law.shear_strength), strict=True)
         )
         if max(tensile, shear) < 1:
             return ""
@@ -154,7 +156,7 @@ class Bonds:
     def write(self, bed, path) -> None:
         """Write all bonds, those that hold first. Stresses at the end, 0 once broken."""
         self.check()
-        number = dict(zip(bed.body_ids(), bed.numbers))
+        number = dict(zip(bed.body_ids(), bed.numbers, strict=True))
         lines = [HEADER]
         for interaction, (first, second), law in self._alive:
             bodies = O.bodies[first], O.bodies[second]

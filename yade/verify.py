@@ -4,9 +4,9 @@ analysis/verification/probes.py makes them and reads what they give.
 
     yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
 
-Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds
-the numbers of contacts and of bonds, and for
-every sphere, centre, velocity (half a step earlier), spin, force and torque of contacts and bonds after n steps;
+Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds the
+numbers of contacts and of bonds, and for every sphere centre, velocity (half a step earlier), spin, force and torque of
+contacts and bonds after n steps;
 OUTPUT_FOLDER/<name>_contacts.json the properties of the contacts at the end.
 """
 
@@ -63,6 +63,8 @@ def set_motion(body: int, velocity, spin) -> None:
 
 def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list[int]]:
     """Make clumps through a bed file, as a full run does; return the spheres of each end of each clump."""
+    if not clumps:
+        return []
     path = folder / "bed.csv"
     path.write_text(
         HEADER
@@ -92,13 +94,17 @@ class Recorder:
         self.bonds = bonds
         self.velocities = [Vector3(*velocity) for velocity, steps in probe["path"] for _ in range(steps)]
         spins = probe["spins"] or [probe["balls"][0]["spin"] for _ in probe["path"]] if probe["path"] else []
-        self.spins = [Vector3(*spin) for spin, (_, steps) in zip(spins, probe["path"]) for _ in range(steps)]
+        self.spins = [
+            Vector3(*spin) for spin, (_, steps) in zip(spins, probe["path"], strict=True) for _ in range(steps)
+        ]
         __main__.verify_step = self.step  # where PyRunner looks names up
 
     def step(self) -> None:
         """Stands between the contact loop and the integrator."""
-        held = self.bonds.count() if self.bonds else 0
-        row = [O.interactions.countReal() - held, held]
+        if self.bonds:
+            row = [sum(i.isReal and not is_bond(i) for i in O.interactions), self.bonds.count()]
+        else:
+            row = [O.interactions.countReal(), 0]
         for ids in self.spheres:
             state = O.bodies[ids[0]].state
             force, torque = Vector3.Zero, Vector3.Zero

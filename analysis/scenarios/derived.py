@@ -1,14 +1,16 @@
 """Quantities that follow from the scenario: clump, bond, apparatus, time grid.
 
-Standard library and numpy only, because YADE's Python reads it too. Everything is in SI units.
+Standard library only (numpy for bonds), because YADE's Python reads it too. Everything is in SI units.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from analysis import laws_bond
+if TYPE_CHECKING:
+    from analysis import laws_bond
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,8 @@ def bond(s, radius_1_m: float = 0.0, radius_2_m: float = 0.0) -> laws_bond.Bond 
     """The parallel bond between two spheres, by default the clump's; None where the scenario has no bonds."""
     if s["contact.bond.model"] == "none":
         return None
+    from analysis import laws_bond  # here: without bonds the loader needs the standard library only
+
     own = clump(s).radius_m
     return laws_bond.bond(
         laws_bond.bond_radius(s["contact.bond.radius_multiplier"], radius_1_m or own, radius_2_m or own),

@@ -1,4 +1,4 @@
-"""Verification of parallel bonds: two bonded spheres moved along paths until they break, a cantilever, energy, clumps."""
+"""Verification of parallel bonds: two spheres moved along paths until the bond breaks, a cantilever, energy, clumps."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ import math
 
 import numpy as np
 
-from analysis import laws_bond
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import bond_oracle, oracle
 from analysis.verification.cases.clumps import Motion
 from analysis.verification.probes import Ball, ClumpAt, Probe, Trajectory, with_values
-from analysis.verification.sheet import Sheet
+from analysis.verification.results import Results
 
 HELD_MASS = 1e12
 OVERLAP = 1e-12
@@ -139,11 +138,11 @@ class Paths:
             probe.step,
         )
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, probe in self._probes.items():
-            self._judge(name, found[probe.name], sheet)
+            self._judge(name, found[probe.name], results)
 
-    def _judge(self, name: str, found: Trajectory, sheet: Sheet) -> None:
+    def _judge(self, name: str, found: Trajectory, results: Results) -> None:
         expected, steps = self.loads(name), self._probes[name].steps
         force, torque, holds = found.force[1 : steps + 1, 0], found.torque[1 : steps + 1, 0], found.bonds[1:] > 0
         tolerance, reason = 1e-4, "oracle step by step"
@@ -161,7 +160,7 @@ class Paths:
                 1e-4 * law.normal_stiffness * law.area * 7.5e-4 * (1.0 if what == "force_N" else law.radius),
             )
             worst = np.unravel_index(np.argmax(np.abs(theirs - mine)[pick]), (len(pick), 3))
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"{what} of {name}",
                 mine[pick][worst],
@@ -170,17 +169,17 @@ class Paths:
                 f"worst component of the whole path, in relation to the greatest; {reason}",
                 scale=scale,
             )
-        sheet.compare(self.name, f"bonds at the start of {name}", 1, found.bonds[0], 0.0, "spheres that touch")
+        results.compare(self.name, f"bonds at the start of {name}", 1, found.bonds[0], 0.0, "spheres that touch")
         if first == steps:
-            sheet.compare(self.name, f"bonds at the end of {name}", 1, found.bonds[-1], 0.0, "strong enough")
+            results.compare(self.name, f"bonds at the end of {name}", 1, found.bonds[-1], 0.0, "strong enough")
             return
-        sheet.compare(self.name, f"bonds at the end of {name}", 0, found.bonds[-1], 0.0, "broken stays broken")
+        results.compare(self.name, f"bonds at the end of {name}", 0, found.bonds[-1], 0.0, "broken stays broken")
         late = YADE_CHECKS if self.code == "yade" and name not in ("pulled", "sheared") else 2
         note = f"the strength is reached in step {first}; {late} steps" + " between YADE's looks" * (late > 2)
-        sheet.compare(self.name, f"step in which it breaks, {name}", first, broke, late / first, note)
-        self._judge_load(name, expected, force, torque, broke, late, sheet)
+        results.compare(self.name, f"step in which it breaks, {name}", first, broke, late / first, note)
+        self._judge_load(name, expected, force, torque, broke, late, results)
         pick = np.arange(0, steps, 25)
-        sheet.curve(
+        results.curve(
             self.name,
             name,
             step=pick + 1.0,
@@ -190,7 +189,7 @@ class Paths:
             torque_Nm_expected=np.linalg.norm(expected.torque[pick], axis=1),
         )
 
-    def _judge_load(self, name, expected, force, torque, broke, late, sheet: Sheet) -> None:
+    def _judge_load(self, name, expected, force, torque, broke, late, results: Results) -> None:
         """Load at which a bond breaks in one way alone, in closed form."""
         law = derived.bond(self._entries[name][0])
         last = broke - 1
@@ -211,7 +210,7 @@ class Paths:
         if name in closed:
             measured, strength, note = closed[name]
             tolerance = (1e-3 if name in ("sheared", "bent") else 2e-4) + late / self.STEPS
-            sheet.compare(self.name, f"load at which it breaks, {name}", strength, measured, tolerance, note)
+            results.compare(self.name, f"load at which it breaks, {name}", strength, measured, tolerance, note)
 
 
 class Cantilever:
@@ -245,13 +244,13 @@ class Cantilever:
     def probes(self) -> list[Probe]:
         return [self._probe]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         rows = found[self._probe.name]
         law = derived.bond(self.scenario)
         chain = bond_oracle.Chain(law, self.length, self.MASS, 0.4 * self.MASS * self.radius**2, self.COUNT - 1)
         static, moving = chain.under_weight(self.GRAVITY, rows.time)
         tip = -rows.position[:, -1, 2]
-        sheet.compare_curves(
+        results.compare_curves(
             self.name,
             "tip_deflection_m",
             moving[:, -1],
@@ -261,7 +260,7 @@ class Cantilever:
         )
         period = 2 * math.pi / chain.first_frequency()
         whole = rows.time <= period * int(rows.time[-1] / period)
-        sheet.compare(
+        results.compare(
             self.name,
             "mean tip deflection_m",
             static[-1],
@@ -278,7 +277,7 @@ class Cantilever:
             weight / self.length,
             weight / 2,
         )
-        sheet.compare(
+        results.compare(
             self.name,
             "mean tip deflection_m against beam theory",
             theory,
@@ -286,9 +285,9 @@ class Cantilever:
             0.01,
             "Timoshenko's cantilever under an even load, and half a sphere's weight that hangs over the tip",
         )
-        sheet.compare(self.name, "bonds", self.COUNT - 1, rows.bonds[-1], 0.0, "one between neighbours")
+        results.compare(self.name, "bonds", self.COUNT - 1, rows.bonds[-1], 0.0, "one between neighbours")
         pick = slice(None, None, 4)
-        sheet.curve(
+        results.curve(
             self.name,
             "tip",
             time_s=rows.time[pick],
@@ -331,7 +330,7 @@ class Energy:
     def probes(self) -> list[Probe]:
         return [self._probe]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         rows, step = found[self._probe.name], self.STEP
         # velocities in the middle of each step, from the places; spins likewise from their mean
         moving = np.diff(rows.position, axis=0) / step
@@ -352,10 +351,10 @@ class Energy:
             for ball in self._probe.balls
         )
         stored = loads.bond_energy.max()
-        sheet.compare(
+        results.compare(
             self.name, "energy_J", start, total[np.argmax(np.abs(total - start))], 0.005, "worst moment of 20 ms"
         )
-        sheet.compare(
+        results.compare(
             self.name,
             "share of the energy in the bond",
             1.0,
@@ -375,7 +374,7 @@ class Energy:
             ("angular_momentum_kgm2_s", spin_start, angular),
         ):
             worst = np.unravel_index(np.argmax(np.abs(values - expected)), values.shape)
-            sheet.compare(
+            results.compare(
                 self.name,
                 what,
                 expected[worst[1]],
@@ -384,9 +383,9 @@ class Energy:
                 "worst component and moment, in relation to its size",
                 scale=np.linalg.norm(expected),
             )
-        sheet.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
+        results.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
         pick = slice(None, None, 50)
-        sheet.curve(
+        results.curve(
             self.name,
             "total",
             time_s=rows.time[1:-1][pick],
@@ -425,12 +424,12 @@ class Clumps:
     def probes(self) -> list[Probe]:
         return [self._probe]
 
-    def judge(self, found: dict[str, Trajectory], sheet: Sheet) -> None:
+    def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         rows = found[self._probe.name]
         motion, law = Motion(self.clump, rows), derived.bond(self.scenario)
-        sheet.compare(self.name, "bonds", 1, rows.bonds[0], 0.0, "one pair of spheres of different clumps touches")
+        results.compare(self.name, "bonds", 1, rows.bonds[0], 0.0, "one pair of spheres of different clumps touches")
         for sphere in (0, 3):
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"force_N on sphere {sphere + 1}, after the wall",
                 0.0,
@@ -441,7 +440,7 @@ class Clumps:
         stretch = np.linalg.norm(rows.position[-1, 2] - rows.position[-1, 1]) - 2 * self.clump.radius_m
         axis = rows.position[-1, 1] - rows.position[-1, 2]
         pull = -rows.force[-1, 1] @ axis / np.linalg.norm(axis)
-        sheet.compare(
+        results.compare(
             self.name, "pull_N across the gap", law.normal_stiffness * law.area * stretch, pull, 0.002, "k_n A x gap"
         )
         mass = self.clump.mass_kg
@@ -450,7 +449,7 @@ class Clumps:
         about = (mass * np.cross(motion.centre, motion.velocity) + motion.angular_momentum()).sum(axis=1)
         for what, values in (("momentum_kgm_s", linear), ("angular_momentum_kgm2_s", about)):
             change = np.abs(values[-1] - values[10]).max()
-            sheet.compare(
+            results.compare(
                 self.name,
                 f"change of {what}",
                 0.0,
