@@ -28,12 +28,10 @@ class EngineError(RuntimeError):
 
 
 def write_inputs(scenario: Scenario, run_dir: Path, seed: int) -> None:
-    """Write all that an engine reads into `run_dir`: scenario.json, parameters.in, meshes/*.stl, raw/bed_start.csv."""
-    for folder in ("raw", "meshes", "checkpoints", "log"):
+    """Write all that an engine reads into `run_dir`: scenario.json, parameters.in, raw/bed_start.csv."""
+    for folder in ("raw", "checkpoints", "log"):
         (run_dir / folder).mkdir(parents=True, exist_ok=True)
     write_aside(run_dir / "parameters.in", liggghts_parameters(scenario, seed))
-    for name, block in _meshes(scenario).items():
-        write_aside(run_dir / "meshes" / f"{name}.stl", _box_stl(name, block))
     write_bed(run_dir / "raw" / "bed_start.csv", lattice_bed(scenario, seed))
     write_aside(run_dir / "scenario.json", scenario.to_json())
 
@@ -90,12 +88,12 @@ def liggghts_parameters(scenario: Scenario, seed: int) -> str:
         "steps_per_cycle": grid.steps_per_cycle,
         "steps_per_row": grid.steps_per_row,
         "steps_per_block": grid.steps_per_block,
-        "load_control_pfc_time_step": derived.pfc_time_step(scenario),
         "cycles": scenario["loading.cycles"],
         "seed": seed,
     }
     values |= {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
-    lines = [f"# {scenario.id}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
+    values |= _walls(scenario)
+    lines = [f"# {scenario.name}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
     for name, value in values.items():
         if isinstance(value, list):
             lines.append(f"variable {name}_count index {len(value)}")
@@ -109,39 +107,16 @@ def _number(value) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _meshes(scenario: Scenario) -> dict[str, derived.Block]:
-    """Moving and temporary walls as boxes; lids close the box beside the sleeper while the bed is packed."""
+def _walls(scenario: Scenario) -> dict[str, list[float]]:
+    """Blocks of the apparatus as XLO XHI YLO YHI ZLO ZHI; lids close the box beside the sleeper while the bed is packed."""
     box = derived.apparatus(scenario)
     (_, left, _), (_, right, _) = box.sleeper.low, box.sleeper.high
     top, lid_top = box.height_m, box.height_m + scenario["geometry.plate_thickness"]
-    meshes = {
+    blocks = {
         "sleeper": box.sleeper,
         "fixed_wall": box.fixed_wall,
         "lid_left": derived.Block((0.0, 0.0, top), (box.length_m, left, lid_top)),
         "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top)),
     }
-    return meshes | {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
-
-
-def _box_stl(name: str, block: derived.Block) -> str:
-    """The six faces of a box as twelve triangles in ASCII STL."""
-    corner = dict(
-        zip(
-            itertools.product((0, 1), repeat=3),
-            itertools.product(*zip(block.low, block.high, strict=True)),
-            strict=True,
-        )
-    )
-    lines = [f"solid {name}"]
-    for axis, side in itertools.product(range(3), (0, 1)):
-        first, second = (a for a in range(3) if a != axis)
-        square = []
-        for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
-            key = [side] * 3
-            key[first], key[second] = u, v
-            square.append(corner[tuple(key)])
-        for triangle in ((0, 1, 2), (0, 2, 3)):
-            lines += [" facet normal 0 0 0", "  outer loop"]
-            lines += ["   vertex {!r} {!r} {!r}".format(*square[n]) for n in triangle]
-            lines += ["  endloop", " endfacet"]
-    return "\n".join([*lines, f"endsolid {name}", ""])
+    blocks |= {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
+    return {f"{name}_block": [*itertools.chain(*zip(block.low, block.high, strict=True))] for name, block in blocks.items()}

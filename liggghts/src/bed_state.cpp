@@ -9,7 +9,7 @@
 #include "contact_recorder.h"
 #include "fix_gravity.h"
 #include "fix_multisphere.h"
-#include "fix_wall_gran.h"
+#include "fix_wall.h"
 #include "force.h"
 #include "lammps.h"
 #include "modify.h"
@@ -27,8 +27,8 @@ std::vector<Contact> collect_contacts(LAMMPS *lmp) {
   ContactRecorder recorder;
   ContactRecorder::active = &recorder;
   if (PairGran *pair = dynamic_cast<PairGran *>(lmp->force->pair)) pair->compute_pgl(0, 0);
-  for (int n = 0; n < lmp->modify->n_fixes_style("wall/gran"); n++)
-    if (FixWallGran *wall = dynamic_cast<FixWallGran *>(lmp->modify->find_fix_style("wall/gran", n))) wall->post_force_pgl();
+  for (int n = 0; n < lmp->modify->nfix; n++)
+    if (FixWall *wall = dynamic_cast<FixWall *>(lmp->modify->fix[n])) wall->record_contacts();
   ContactRecorder::active = NULL;
 
   const Atom *atom = lmp->atom;

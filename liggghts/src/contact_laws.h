@@ -1,27 +1,27 @@
 // The paper's contact laws as plain formulas (equation numbers of Talebiahooie et al. 2021). SI units; forces in N, positive = repulsive.
+// Free of branches, so that the compiler can work on several contacts at once: flags are 0.0 or 1.0.
 #ifndef BALLAST_CONTACT_LAWS_H
 #define BALLAST_CONTACT_LAWS_H
 
-#include <algorithm>
 #include <cmath>
 
 namespace ballast {
 
 /// Elastic normal force, tangent stiffnesses and dashpot of one contact.
 struct NormalResponse {
-  double elastic_force;      ///< limits the shear force; never contains the dashpot
-  double total_force;        ///< elastic force plus dashpot
-  double shear_stiffness;    ///< N/m
-  bool dashpot_at_limit;     ///< true where the hysteretic dashpot is capped at critical damping
+  double elastic_force;     ///< limits the shear force; never contains the dashpot
+  double total_force;       ///< elastic force plus dashpot
+  double shear_stiffness;   ///< N/m
+  double dashpot_at_limit;  ///< 1 where the hysteretic dashpot is capped
 };
 
-/// Linear law (eq. 1-2, 5-7): spring and dashpot. The dashpot may pull: restitution exp(-pi beta / sqrt(1 - beta^2)) holds only so.
-/// mass = m1 m2 / (m1 + m2), or m1 against a wall, of whole clumps.
+/// Linear law (eq. 1-2, 5-7): spring and dashpot, F = k_n u + 2 beta sqrt(m k_n) v. The dashpot may pull: restitution
+/// exp(-pi beta / sqrt(1 - beta^2)) holds only so. mass = m1 m2 / (m1 + m2), or m1 against a wall, of whole clumps.
 inline NormalResponse linear_normal(double overlap, double closing_speed, double mass, double normal_stiffness,
                                     double shear_stiffness, double damping_ratio) {
   const double elastic = normal_stiffness * overlap;
   const double dashpot = 2.0 * damping_ratio * std::sqrt(mass * normal_stiffness) * closing_speed;
-  return {elastic, elastic + dashpot, shear_stiffness, false};
+  return {elastic, elastic + dashpot, shear_stiffness, 0.0};
 }
 
 /// Damping factor D of eq. 16, as repaired in analysis/laws.py: 0 Gonthier, 1 Lankarani-Nikravesh, 2 Zhiying-Qishao.
@@ -32,20 +32,21 @@ inline double damping_factor(double restitution, int damping_mode) {
   return damping_mode == 2 ? factor * std::exp(2.0 * (1.0 - restitution)) : factor;
 }
 
-/// Hysteretic law (eq. 8-16). radius = 2 R1 R2 / (R1 + R2), or 2 R1 against a wall.
+/// Hysteretic law (eq. 8-16), F = h u^1.5 (1 + D v / v_impact). radius = 2 R1 R2 / (R1 + R2), or 2 R1 against a wall.
 /// impact_speed is the closing speed when the contact formed; 0 for a contact that was there when the law was switched on.
-/// Where impact_speed is too small, the dashpot is held at critical damping of the tangent stiffness; the total never pulls.
+/// Where impact_speed is too small, the dashpot is held at limit x critical damping of the tangent stiffness; the total never pulls.
 inline NormalResponse hysteretic_normal(double overlap, double closing_speed, double impact_speed, double mass, double radius,
-                                        double shear_modulus, double poisson_ratio, double damping) {
+                                        double shear_modulus, double poisson_ratio, double damping, double limit) {
   const double contact_size = shear_modulus * std::sqrt(2.0 * radius * overlap);
   const double elastic = 2.0 * contact_size * overlap / (3.0 * (1.0 - poisson_ratio));
   const double shear_stiffness = 2.0 * contact_size / (2.0 - poisson_ratio);
-  if (damping == 0.0) return {elastic, elastic, shear_stiffness, false};
   const double tangent_stiffness = contact_size / (1.0 - poisson_ratio);
-  const double critical = 2.0 * std::sqrt(mass * tangent_stiffness);
-  const bool at_limit = damping * elastic >= critical * impact_speed;
-  const double coefficient = at_limit ? critical : damping * elastic / impact_speed;
-  return {elastic, std::max(0.0, elastic + coefficient * closing_speed), shear_stiffness, at_limit};
+  const double highest = limit * 2.0 * std::sqrt(mass * tangent_stiffness);
+  const bool at_limit = damping * elastic >= highest * impact_speed;
+  const double coefficient = at_limit ? highest : damping * elastic / impact_speed;
+  const double damped = elastic + coefficient * closing_speed;
+  const double total = damping == 0.0 ? elastic : (damped > 0.0 ? damped : 0.0);
+  return {elastic, total, shear_stiffness, at_limit && damping != 0.0 ? 1.0 : 0.0};
 }
 
 /// A contact is new if it was touched neither in this step nor in the one before. The history of a pair is not cleared when it

@@ -11,41 +11,29 @@
 #include "comm.h"
 #include "error.h"
 #include "stop_with_error.h"
-#include "fix_mesh_surface.h"
 #include "fix_stage.h"
+#include "fix_wall.h"
 #include "force.h"
-#include "mesh_module_stress.h"
 #include "modify.h"
 #include "restart_state.h"
-#include "tri_mesh.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-namespace {
-
-typedef MultiVectorContainer<double, 3, 3> NodeVelocities;
-
-}  // namespace
-
 FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg), stage_(NULL), law_(FIXED), mass_(0.0), drag_(0.0), gain_(0.0), stiffness_(0.0), velocity_limit_(0.0),
+    : Fix(lmp, narg, arg), stage_(NULL), law_(FIXED), mass_(0.0), drag_(0.0), gain_(0.0), gain_step_(0.0), stiffness_(0.0), velocity_limit_(0.0),
       contact_floor_(0.0), count_interval_(0), target_style_(CONSTANT), ramp_start_(0.0), velocity_(0.0), travel_(0.0),
       contact_force_(0.0), contacts_(0), stress_sum_(0.0), squared_error_sum_(0.0), row_steps_(0), averaging_time_(0.0),
       window_next_(0), window_full_(false) {
   if (narg != 10 || strcmp(arg[4], "direction") != 0 || strcmp(arg[8], "area") != 0)
-    error->fix_error(FLERR, this, "expects MESH_FIX direction X Y Z area A");
-  wall_ = dynamic_cast<FixMeshSurface *>(modify->find_fix_id(arg[3]));
-  if (!wall_) error->fix_error(FLERR, this, "first argument must be the id of a fix mesh/surface/stress");
-  contact_stress_ = dynamic_cast<MeshModuleStress *>(wall_->get_module("stress"));
-  if (!contact_stress_ || !contact_stress_->trackStress())
-    error->fix_error(FLERR, this, "the mesh does not measure its force; define it with `mesh/surface/stress ... stress on`");
+    error->fix_error(FLERR, this, "expects WALL_FIX direction X Y Z area A");
+  wall_ = dynamic_cast<FixWall *>(modify->find_fix_id(arg[3]));
+  if (!wall_) error->fix_error(FLERR, this, "first argument must be the id of a fix ballast/wall");
   for (int d = 0; d < 3; d++) direction_[d] = number(narg, arg, 5 + d);
   area_ = number(narg, arg, 9);
   if (area_ <= 0.0) error->fix_error(FLERR, this, "area must be positive");
   std::fill(target_values_, target_values_ + 3, 0.0);
-  wall_->triMesh()->registerMove(false, true, false);
   vector_flag = 1;
   size_vector = 9;
   global_freq = 1;
@@ -57,7 +45,6 @@ void FixLoadControl::pre_delete(bool unfix) {
   if (!unfix) return;
   velocity_ = 0.0;
   set_wall_velocity();
-  wall_->triMesh()->unregisterMove(false, true, false);
 }
 
 int FixLoadControl::setmask() { return INITIAL_INTEGRATE | FINAL_INTEGRATE; }
@@ -73,21 +60,14 @@ void FixLoadControl::init() {
     window_next_ = 0;
     window_full_ = false;
   }
-  // Before the forces of the run's set-up, whose dashpots need the wall's velocity: a resumed run must compute the same ones.
-  CustomValueTracker &properties = wall_->triMesh()->prop();
-  if (!properties.getElementProperty<NodeVelocities>("v"))
-    properties.addElementProperty<NodeVelocities>("v", "comm_exchange_borders", "frame_invariant", "restart_no");
+  // before the forces of the run's set-up, whose dashpots need the wall's velocity: a resumed run must compute the same ones
   set_wall_velocity();
 }
 
 void FixLoadControl::set_wall_velocity() {
-  NodeVelocities *velocities = wall_->triMesh()->prop().getElementProperty<NodeVelocities>("v");
-  if (!velocities) return;
   double velocity[3];
   for (int d = 0; d < 3; d++) velocity[d] = velocity_ * direction_[d];
-  const int triangles = wall_->triMesh()->sizeLocal() + wall_->triMesh()->sizeGhost();
-  for (int i = 0; i < triangles; i++)
-    for (int node = 0; node < 3; node++) velocities->set(i, node, velocity);
+  wall_->set_velocity(velocity);
 }
 
 void FixLoadControl::initial_integrate(int) {
@@ -95,20 +75,21 @@ void FixLoadControl::initial_integrate(int) {
   double step[3];
   for (int d = 0; d < 3; d++) step[d] = velocity_ * update->dt * direction_[d];
   travel_ += velocity_ * update->dt;
-  wall_->triMesh()->move(step);  // by increments: a total displacement would count from the last run's start
+  wall_->move(step);
   set_wall_velocity();
 }
 
 void FixLoadControl::final_integrate() {
-  contact_force_ = 0.0;
-  for (int d = 0; d < 3; d++) contact_force_ -= contact_stress_->f_total(d) * direction_[d];
+  double force[3];
+  wall_->total_force(force);
+  contact_force_ = -(force[0] * direction_[0] + force[1] * direction_[1] + force[2] * direction_[2]);
   const double wanted = target(), error_force = wanted * area_ - contact_force_;
   if (law_ == FORCE) {
     velocity_ += update->dt * (error_force - drag_ * velocity_) / mass_;
   } else if (law_ == PFC) {
-    if (stage_->step() % count_interval_ == 0 || contacts_ == 0) count_contacts();
+    if (stage_->step() % count_interval_ == 0 || contacts_ == 0) contacts_ = wall_->total_contacts();
     const double wall_stiffness = stiffness_ * std::max(static_cast<double>(contacts_), contact_floor_);
-    velocity_ = gain_ * error_force / (wall_stiffness * update->dt);
+    velocity_ = gain_ * error_force / (wall_stiffness * (gain_step_ > 0.0 ? gain_step_ : update->dt));
     velocity_ = std::min(velocity_limit_, std::max(-velocity_limit_, velocity_));
   }
   const double stress_error = stress() - wanted;
@@ -121,13 +102,6 @@ void FixLoadControl::final_integrate() {
     window_next_ = 0;
     window_full_ = true;
   }
-}
-
-void FixLoadControl::count_contacts() {
-  int touching = 0;
-  FixContactHistoryMesh *history = wall_->contactHistory();
-  if (history) history->n_contacts(touching);
-  MPI_Allreduce(&touching, &contacts_, 1, MPI_INT, MPI_SUM, world);
 }
 
 double FixLoadControl::target() const {
@@ -186,6 +160,7 @@ int FixLoadControl::modify_param(int narg, char **arg) {
   else if (key == "mass") mass_ = number(narg, arg, 1);
   else if (key == "drag") drag_ = number(narg, arg, 1);
   else if (key == "gain") gain_ = number(narg, arg, 1);
+  else if (key == "gain_step") gain_step_ = number(narg, arg, 1);
   else if (key == "stiffness") stiffness_ = number(narg, arg, 1);
   else if (key == "velocity_limit") velocity_limit_ = number(narg, arg, 1);
   else if (key == "count_interval") count_interval_ = static_cast<int>(number(narg, arg, 1));

@@ -7,15 +7,15 @@
 
 namespace LAMMPS_NS {
 
-/// Presses a mesh wall on the bed along one direction, or measures what the bed does to it.
-///   fix ID all ballast/load MESH_FIX direction X Y Z area A
+/// Presses a wall on the bed along one direction, or measures what the bed does to it.
+///   fix ID all ballast/load WALL_FIX direction X Y Z area A
 ///   fix_modify ID law fixed                                measure only
 ///   fix_modify ID law force mass M drag C                  M dv/dt = target force - contact force - C v   (kg, N s/m)
-///   fix_modify ID law pfc gain A stiffness KN count_interval N contact_floor F velocity_limit V
-///                                                          v = A (target force - contact force) / (KN N_c dt), limited
+///   fix_modify ID law pfc gain A gain_step DT stiffness KN count_interval N contact_floor F velocity_limit V
+///                                                          v = A (target force - contact force) / (KN N_c DT), limited
 ///   fix_modify ID target constant S | ramp S1 S2 T | harmonic MEAN AMPLITUDE FREQUENCY
 ///   fix_modify ID averaging_time T                         window of output 7, s
-/// Stresses in Pa, positive = bed pushes back; a ramp begins at the present step, a harmonic target is
+/// DT is the time step that the gain is meant for (0 or not given: the run's own). Stresses in Pa, positive = bed pushes back; a ramp begins at the present step, a harmonic target is
 /// MEAN - AMPLITUDE cos(2 pi FREQUENCY t) with t the time of the stage. Travel, velocity, contact force, contact count and the sums since
 /// the last output row are kept in restart files; law and target come from the deck.
 /// Outputs: [1] target (Pa), [2] stress (Pa), [3] mean stress since the last row (Pa), [4] mean squared error since then (Pa2),
@@ -50,18 +50,16 @@ class FixLoadControl : public Fix {
   void parse_target(int narg, char **arg, int &used);
   double number(int narg, char **arg, int index) const;
   void set_wall_velocity();
-  void count_contacts();
   double window_mean() const;
   double deviation() const;
 
-  class FixMeshSurface *wall_;
-  class MeshModuleStress *contact_stress_;
+  class FixWall *wall_;
   class FixStage *stage_;
   double direction_[3], area_;
 
   Law law_;
-  double mass_, drag_;                                        // force law
-  double gain_, stiffness_, velocity_limit_, contact_floor_;  // pfc law
+  double mass_, drag_;                                                    // force law
+  double gain_, gain_step_, stiffness_, velocity_limit_, contact_floor_;  // pfc law
   int count_interval_;
   Target target_style_;
   double target_values_[3];

@@ -20,14 +20,7 @@
 #include "error.h"
 #include "input.h"
 #include "granular_pair_style.h"
-#include "granular_wall.h"
 #include "contact_models.h"
-#include "style_surface_model.h"
-#include "style_normal_model.h"
-#include "style_tangential_model.h"
-#include "fix_insert_stream.h"
-#include "pair_gran_base.h"
-#include "fix_wall_gran_base.h"
 
 #include "commands.h"
 #include "fix_bed_state.h"
@@ -36,6 +29,8 @@
 #include "fix_multisphere_damped.h"
 #include "fix_probe.h"
 #include "fix_stage.h"
+#include "fix_wall.h"
+#include "pair_ballast.h"
 
 using namespace LAMMPS_NS;
 using namespace LIGGGHTS;
@@ -43,23 +38,9 @@ using namespace LIGGGHTS::ContactModels;
 
 namespace {
 
-template <typename Style>
-PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *pair, int64_t hash) {
-  return new Style(lmp, pair, hash);
-}
-
-template <typename Style>
-Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *wall, int64_t hash) {
-  return new Style(lmp, wall, hash);
-}
-
-template <int NORMAL>
-void register_combination() {
-  typedef GranStyle<NORMAL, BALLAST_SLIP, COHESION_OFF, ROLLING_OFF, SURFACE_DEFAULT> Style;
-  typedef ContactModel<Style> Model;
-  const int code = static_cast<int>(Style::HASHCODE);
-  PairStyles::Factory::instance().addStyle("gran", code, &create_pair<PairStyles::Granular<Model> >);
-  Walls::Factory::instance().addStyle("gran", code, &create_wall<Walls::Granular<Model> >);
+template <bool HYSTERETIC>
+PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, int64_t) {
+  return new ballast::PairBallast(lmp, HYSTERETIC);
 }
 
 // The style tables are not public. An explicit template instantiation may name them all the same (access is not checked there).
@@ -95,16 +76,18 @@ namespace ballast {
 
 void register_contact_models() {
   Factory &models = Factory::instance();
-  models.addNormalModel("ballast/linear", BALLAST_LINEAR);
-  models.addNormalModel("ballast/hysteretic", BALLAST_HYSTERETIC);
-  models.addTangentialModel("ballast/slip", BALLAST_SLIP);
-  register_combination<BALLAST_LINEAR>();
-  register_combination<BALLAST_HYSTERETIC>();
+  models.addNormalModel("ballast/linear", LINEAR_ID);
+  models.addNormalModel("ballast/hysteretic", HYSTERETIC_ID);
+  models.addTangentialModel("ballast/slip", SLIP_ID);
+  PairStyles::Factory &pairs = PairStyles::Factory::instance();
+  pairs.addStyle("gran", static_cast<int>(PairBallast::hashcode_of(false)), &create_pair<false>);
+  pairs.addStyle("gran", static_cast<int>(PairBallast::hashcode_of(true)), &create_pair<true>);
 }
 
 void register_styles(LAMMPS *lmp) {
   FixTable &fixes = *(lmp->modify->*member_of(FixTableKey()));
   fixes["multisphere/damped"] = &create_fix<FixMultisphereDamped>;
+  fixes["ballast/wall"] = &create_fix<FixWall>;
   fixes["ballast/probe"] = &create_fix<FixProbe>;
   fixes["ballast/stage"] = &create_fix<FixStage>;
   fixes["ballast/load"] = &create_fix<FixLoadControl>;

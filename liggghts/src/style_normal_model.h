@@ -1,2 +1,1 @@
-#include "normal_model_ballast_linear.h"
-#include "normal_model_ballast_hysteretic.h"
+// LIGGGHTS generates this list of its templates when it is built, and does not ship it. None are instantiated here.
