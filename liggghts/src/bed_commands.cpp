@@ -137,6 +137,17 @@ void keep_ids(LAMMPS *lmp, FixMultisphere *clumps, int first_body, const std::ve
   bodies.generate_map();
 }
 
+/// Place of a clump on a space-filling curve (Morton order, cells of 1/1024 of the simulated space): its bits are those of x, y, z in turn.
+unsigned place_on_curve(const Domain *domain, const double *x) {
+  unsigned place = 0;
+  for (int d = 0; d < 3; d++) {
+    const double share = (x[d] - domain->boxlo[d]) / (domain->boxhi[d] - domain->boxlo[d]);
+    const unsigned cell = static_cast<unsigned>(1023.0 * std::min(1.0, std::max(0.0, share)));
+    for (int bit = 0; bit < 10; bit++) place |= (cell >> bit & 1u) << (3 * bit + d);
+  }
+  return place;
+}
+
 bool inside_subdomain(const Domain *domain, const double *x) {
   for (int d = 0; d < 3; d++)
     if (x[d] < domain->sublo[d] || x[d] >= domain->subhi[d]) return false;
@@ -161,7 +172,11 @@ void place_clumps(LAMMPS *lmp, int narg, char **arg) {
   FixMultisphere *clumps = clumps_of(lmp);
   if (clumps->n_body_all() > 0) stop_with_error(lmp, "place_clumps: there are clumps already; place them once, before the first run");
   const ClumpShape shape = read_shape(lmp, narg, arg);
-  const std::vector<Pose> bed = read_bed(lmp, arg[0]);
+  std::vector<Pose> bed = read_bed(lmp, arg[0]);
+  // neighbours in space are neighbours in memory; nothing is sorted later, so that a resumed run meets the spheres in the same order
+  std::stable_sort(bed.begin(), bed.end(), [lmp](const Pose &a, const Pose &b) {
+    return place_on_curve(lmp->domain, a.centre) < place_on_curve(lmp->domain, b.centre);
+  });
   const int first_body = clumps->n_body();
   std::vector<int> ids;
   bigint spheres = 0, spheres_all;

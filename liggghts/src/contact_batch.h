@@ -29,25 +29,25 @@ struct ContactBatch {
   static constexpr int SIZE = 16;
 
   // filled by the caller: position, velocity and spin; distance = centre i - centre j, or - nearest point of the wall
-  alignas(64) double distance[3][SIZE];
-  alignas(64) double velocity[3][SIZE];  ///< of i relative to the partner, m/s
-  alignas(64) double spin_i[3][SIZE], spin_j[3][SIZE];
-  alignas(64) double radius_i[SIZE], radius_j[SIZE];
-  alignas(64) double side[SIZE];              ///< 1; -1 where the centre of i lies inside the wall
-  alignas(64) double effective_mass[SIZE];    ///< m1 m2 / (m1 + m2), or m1 at a wall
-  alignas(64) double effective_radius[SIZE];  ///< 2 R1 R2 / (R1 + R2), or 2 R1 at a wall
+  double distance[3][SIZE];
+  double velocity[3][SIZE];  ///< of i relative to the partner, m/s
+  double spin_i[3][SIZE], spin_j[3][SIZE];
+  double radius_i[SIZE], radius_j[SIZE];
+  double side[SIZE];              ///< 1; -1 where the centre of i lies inside the wall
+  double effective_mass[SIZE];    ///< m1 m2 / (m1 + m2), or m1 at a wall
+  double effective_radius[SIZE];  ///< 2 R1 R2 / (R1 + R2), or 2 R1 at a wall
   // history: read, and replaced by what is to be remembered
-  alignas(64) double last_touch_step[SIZE];
-  alignas(64) double shear[3][SIZE];
-  alignas(64) double impact_speed[SIZE];
+  double last_touch_step[SIZE];
+  double shear[3][SIZE];
+  double impact_speed[SIZE];
   // results
-  alignas(64) double normal[3][SIZE];
-  alignas(64) double overlap[SIZE];
-  alignas(64) double normal_force[SIZE];
-  alignas(64) double force[3][SIZE];   ///< on i, N
-  alignas(64) double turn[3][SIZE];    ///< normal x shear force; torque on i is -arm_i turn, on j -arm_j turn
-  alignas(64) double arm_i[SIZE], arm_j[SIZE];
-  alignas(64) double sliding[SIZE], dashpot_at_limit[SIZE];  ///< 0 or 1
+  double normal[3][SIZE];
+  double overlap[SIZE];
+  double normal_force[SIZE];
+  double force[3][SIZE];   ///< on i, N
+  double turn[3][SIZE];    ///< normal x shear force; torque on i is -arm_i turn, on j -arm_j turn
+  double arm_i[SIZE], arm_j[SIZE];
+  double sliding[SIZE], dashpot_at_limit[SIZE];  ///< 0 or 1
 
   ContactBatch();
 };

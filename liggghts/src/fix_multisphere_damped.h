@@ -21,17 +21,20 @@ class FixMultisphereDamped : public FixMultisphere {
   void initial_integrate(int) override;
   void final_integrate() override;
   void calc_force(bool setup) override;
+  void post_run() override { update_spheres(); }
+  /// Velocities and spins of the spheres at the end of the step. Collective; called at the end of a run, and by what writes them before.
+  void update_spheres();
   int modify_param(int, char **) override;
 
  private:
-  struct Bodies;
   void find_spheres();
-  void gather_motion(const Bodies &bodies, int first, int count);
-  void set_spheres(int first, int count, bool positions);
+  ballast::Clumps clumps();
+  void set_spheres(bool positions);
 
   double local_damping_;
   bool forces_incomplete_;
-  ballast::ClumpBatch batch_;
+  bool spheres_behind_;           // by half a step: their velocities, behind those of their clumps
+  double mass_, inertia_transverse_, inertia_axial_;  // of every clump
   std::vector<int> spheres_;      // two local or ghost indices per body of this rank
   std::vector<double> offsets_;   // their places on the axis, m
 };

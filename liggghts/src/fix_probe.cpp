@@ -8,7 +8,7 @@
 #include "bed_state.h"
 #include "comm.h"
 #include "error.h"
-#include "fix_multisphere.h"
+#include "fix_multisphere_damped.h"
 #include "force.h"
 #include "update.h"
 
@@ -37,6 +37,7 @@ void FixProbe::end_of_step() { write_row(); }
 
 void FixProbe::write_row() {
   last_row_ = update->ntimestep;
+  if (FixMultisphereDamped *clumps = dynamic_cast<FixMultisphereDamped *>(ballast::find_clumps(lmp))) clumps->update_spheres();
   std::vector<double> row(2, 0.0);
   for (const ballast::Contact &contact : ballast::collect_contacts(lmp)) {
     row[0] += 1.0;
