@@ -93,7 +93,7 @@ def liggghts_parameters(scenario: Scenario, seed: int) -> str:
     }
     values |= {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
     values |= _walls(scenario)
-    lines = [f"# {scenario.name}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
+    lines = [f"# {scenario.id}, profile {scenario.profile}, scenario {scenario.hash}: written from scenarios.toml"]
     for name, value in values.items():
         if isinstance(value, list):
             lines.append(f"variable {name}_count index {len(value)}")
