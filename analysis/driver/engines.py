@@ -119,4 +119,6 @@ def _walls(scenario: Scenario) -> dict[str, list[float]]:
         "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top)),
     }
     blocks |= {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
-    return {f"{name}_block": [*itertools.chain(*zip(block.low, block.high, strict=True))] for name, block in blocks.items()}
+    return {
+        f"{name}_block": [*itertools.chain(*zip(block.low, block.high, strict=True))] for name, block in blocks.items()
+    }
