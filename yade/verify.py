@@ -75,9 +75,10 @@ def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list
         ),
         encoding="ascii",
     )
+    first = len(O.bodies)  # a ball of several shells is a clump of YADE's too
     Bed(scenario).place(path, shells)
     ends = []
-    bodies = [body for body in O.bodies if body.isClump]
+    bodies = [body for body in O.bodies if body.isClump and body.id >= first]
     for body, clump in zip(bodies, clumps, strict=True):
         set_motion(body.id, clump["velocity"], clump["spin"])
         members = sorted(body.shape.members)
