@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from analysis.normalised import tables  # noqa: E402
+from analysis.formats import file_columns  # noqa: E402
 from analysis.scenarios import derived  # noqa: E402
 from analysis.scenarios.scenario import Scenario  # noqa: E402
 
@@ -49,7 +49,21 @@ def state_row(step: int, x: float) -> None:
     late = stage == "cyclic" and step > 2 * grid.steps_per_cycle
     overlap = 0.3 if behave == "overlap" and late else 0.01 * x
     energy = "nan" if behave == "nan" and late else 1e-8 * x
-    append("state.csv", tables.RAW_STATE, stage, step, step * grid.step_s, energy, 1e-4, overlap, 1e-6, 4, 2, "nan", 0)
+    append(
+        "state.csv",
+        file_columns.RAW_STATE,
+        stage,
+        step,
+        step * grid.step_s,
+        energy,
+        1e-4,
+        overlap,
+        1e-6,
+        4,
+        2,
+        "nan",
+        0,
+    )
 
 
 def load_row(step: int, x: float) -> None:
@@ -58,7 +72,7 @@ def load_row(step: int, x: float) -> None:
     values = [step, step * grid.step_s, target, target + x, 460e3 * x, x, moved]
     for _ in range(5):
         values += [1e4, 1e4, 0.1 * moved]
-    append(f"{stage}.csv", tables.RAW_LOADING, *values)
+    append(f"{stage}.csv", file_columns.RAW_LOADING, *values)
 
 
 def bed(label: str, x: float) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.normalised import tables
+from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.lattice import lattice_bed
 from analysis.scenarios.scenario import load_scenario
@@ -97,7 +97,9 @@ def write_run(
 
 def _bed(s, seed) -> pd.DataFrame:
     poses = np.array(lattice_bed(s, seed))
-    return pd.DataFrame(np.column_stack([np.arange(1, len(poses) + 1), poses]), columns=tables.BED).astype({"id": int})
+    return pd.DataFrame(np.column_stack([np.arange(1, len(poses) + 1), poses]), columns=file_columns.BED).astype(
+        {"id": int}
+    )
 
 
 def _write_cycles(folder, s, n, minimum, lateral, porosities, clumps, generator) -> None:
@@ -110,15 +112,15 @@ def _write_cycles(folder, s, n, minimum, lateral, porosities, clumps, generator)
             "settlement_peak_m": minimum + STROKE_M,
         }
     )
-    for k in tables.PLATES:
+    for k in file_columns.PLATES:
         table[f"lateral_{k}_m"] = lateral[:, k - 1]
-    for k in tables.SPHERES:
+    for k in file_columns.SPHERES:
         table[f"porosity_{k}"] = porosities[:, k - 1]
     table["sleeper_stress_min_Pa"] = stress_min * (1 + 0.01 * generator.random(len(n)))
     table["sleeper_stress_max_Pa"] = stress_max * (1 - 0.01 * generator.random(len(n)))
     table["tracking_rms_Pa"] = 0.005 * stress_max * (1 + 0.1 * generator.random(len(n)))
     table["clumps"] = clumps
-    table[list(tables.CYCLES)].to_csv(folder / "cycles.csv", index=False)
+    table[list(file_columns.CYCLES)].to_csv(folder / "cycles.csv", index=False)
 
 
 def _write_history(folder, s, minimum, lateral) -> None:
@@ -142,18 +144,18 @@ def _write_history(folder, s, minimum, lateral) -> None:
             "plate_target_Pa": s["preload.plate_stress"],
         }
     )
-    for k in tables.PLATES:
+    for k in file_columns.PLATES:
         table[f"plate_{k}_stress_Pa"] = s["preload.plate_stress"]
-    for k in tables.PLATES:
+    for k in file_columns.PLATES:
         table[f"lateral_{k}_m"] = np.interp(cycle, grid, np.r_[0, lateral[:, k - 1]])
-    table[list(tables.HISTORY)].to_csv(folder / "history.csv", index=False, float_format="%.9g")
+    table[list(file_columns.HISTORY)].to_csv(folder / "history.csv", index=False, float_format="%.9g")
 
 
 def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> None:
     share = np.r_[0, share]
     area = derived.apparatus(s).plate_area_m2
     table = pd.DataFrame({"cycle": np.arange(len(share))})
-    for k in tables.SPHERES:
+    for k in file_columns.SPHERES:
         table[f"porosity_{k}"] = np.r_[porosity[k - 1], porosities[:, k - 1]]
     table["porosity_error"] = 0.0009
     table["bulge_volume_m3"] = np.r_[0, lateral.sum(axis=1)] * area
@@ -183,7 +185,7 @@ def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> No
     for column, (start, change) in start_and_change.items():
         table[column] = start + change * share
     table["at_limit_share"] = 0.0 if s["contact.model"] == "linear" else 0.1
-    table[list(tables.MICROSTRUCTURE)].to_csv(folder / "microstructure.csv", index=False)
+    table[list(file_columns.MICROSTRUCTURE)].to_csv(folder / "microstructure.csv", index=False)
 
 
 def _write_stages(folder, bed, porosity) -> None:
@@ -193,8 +195,8 @@ def _write_stages(folder, bed, porosity) -> None:
         "overlap_max_ratio": 1e-4,
         "bed_sha256": hashlib.sha256(bed.to_csv().encode()).hexdigest(),
     }
-    moved = {"settlement_m": 4e-4} | {f"lateral_{k}_m": -1e-4 for k in tables.PLATES}
-    porosities = {f"porosity_{k}": value for k, value in zip(tables.SPHERES, porosity, strict=True)}
+    moved = {"settlement_m": 4e-4} | {f"lateral_{k}_m": -1e-4 for k in file_columns.PLATES}
+    porosities = {f"porosity_{k}": value for k, value in zip(file_columns.SPHERES, porosity, strict=True)}
     (folder / "stages.json").write_text(
         json.dumps({"packing": packed, "preload": packed | porosities | moved}, indent=1)
     )
@@ -211,7 +213,7 @@ def _write_contacts(path, bed, generator, count=2000) -> None:
     table["overlap_m"], table["normal_force_N"] = force / 1e8, force
     table["sliding"] = (generator.random(count) < 0.1).astype(int)
     table["shear_force_N"] = force * np.where(table["sliding"] == 1, 0.8, 0.3)
-    table[list(tables.CONTACTS)].to_csv(path, index=False)
+    table[list(file_columns.CONTACTS)].to_csv(path, index=False)
 
 
 def _info(s, code, cycles, seed, state, clumps) -> dict:
@@ -297,14 +299,14 @@ def write_raw(
             + STROKE_M / 2 * (1 - np.cos(2 * np.pi * cycle)),
         }
     )
-    for k in tables.PLATES:
+    for k in file_columns.PLATES:
         table[f"plate_{k}_stress_Pa"] = table[f"plate_{k}_stress_mean_Pa"] = s["preload.plate_stress"] * (1 + 0.001 * k)
         table[f"plate_{k}_displacement_m"] = preload_down_m / 10 + np.interp(cycle, knots, np.r_[0, lateral[:, k - 1]])
-    table[list(tables.RAW_LOADING)].to_csv(raw / "cyclic.csv", index=False)
+    table[list(file_columns.RAW_LOADING)].to_csv(raw / "cyclic.csv", index=False)
     preload = table.iloc[:9].copy()
     for column in preload.filter(like="displacement"):
         preload[column] = np.linspace(0, table[column].iloc[0], len(preload))
-    preload[list(tables.RAW_LOADING)].to_csv(raw / "preload.csv", index=False)
+    preload[list(file_columns.RAW_LOADING)].to_csv(raw / "preload.csv", index=False)
 
     blocks = np.arange(1, cycles * s["output.blocks_per_cycle"] + 1) * grid.steps_per_block
     state = pd.DataFrame(
@@ -323,7 +325,7 @@ def write_raw(
         }
     )
     packing = state.iloc[:2].assign(stage="packing")
-    pd.concat([packing, state])[list(tables.RAW_STATE)].to_csv(raw / "state.csv", index=False)
+    pd.concat([packing, state])[list(file_columns.RAW_STATE)].to_csv(raw / "state.csv", index=False)
 
     generator = np.random.default_rng(seed)
     bed.to_csv(raw / "bed_preloaded.csv", index=False)

@@ -13,14 +13,15 @@ MAY_IMPORT = {
     "laws": set(),
     "laws_bond": set(),
     "files": set(),
+    "formats": {"files"},
     "arguments": set(),
-    "scenarios": {"laws", "laws_bond", "files"},
-    "normalised": {"scenarios", "files"},
-    "driver": {"scenarios", "normalised", "files", "arguments"},
-    "reference": {"scenarios", "files", "arguments"},
-    "comparison": {"reference", "normalised", "scenarios", "laws", "files"},
-    "report": {"comparison", "reference", "driver", "normalised", "scenarios", "laws", "files", "arguments"},
-    "verification": {"driver", "normalised", "scenarios", "laws", "laws_bond", "files", "arguments"},
+    "scenarios": {"formats", "laws", "laws_bond", "files"},
+    "normalised": {"formats", "scenarios", "files"},
+    "driver": {"formats", "scenarios", "normalised", "files", "arguments"},
+    "reference": {"formats", "scenarios", "files", "arguments"},
+    "comparison": {"formats", "reference", "normalised", "scenarios", "laws", "files"},
+    "report": {"formats", "comparison", "reference", "driver", "normalised", "scenarios", "laws", "files", "arguments"},
+    "verification": {"formats", "driver", "normalised", "scenarios", "laws", "laws_bond", "files", "arguments"},
 }
 MODULES = sorted(path for path in ANALYSIS.rglob("*.py") if path.parent != ANALYSIS or path.stem in MAY_IMPORT)
 

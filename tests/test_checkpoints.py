@@ -6,7 +6,7 @@ import pytest
 from driver import damage
 
 from analysis.driver import checkpoints, locks, rawfiles
-from analysis.files import GrowingCsv
+from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 

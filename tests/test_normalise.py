@@ -11,8 +11,9 @@ import pytest
 from synthetic import DEFAULT_LAW, LATERAL_PROFILE, STROKE_M, settlement, write_raw
 
 from analysis import files
-from analysis.files import GrowingTable
-from analysis.normalised import microstructure, porosity, tables
+from analysis.formats import file_columns
+from analysis.formats.growing_csv import CycleTable, RowsByStep
+from analysis.normalised import microstructure, porosity
 from analysis.normalised.normalise import NormaliseError, Normaliser
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
@@ -82,7 +83,7 @@ def test_cycles_have_the_known_values(engine_output):
     assert table["settlement_m"].to_numpy() == pytest.approx(minimum, rel=1e-12)
     # The peak lies half a cycle earlier, where the synthetic settlement is half way between the minima.
     assert table["settlement_peak_m"].to_numpy() == pytest.approx((np.r_[0, minimum[:-1]] + minimum) / 2 + STROKE_M)
-    for k in tables.PLATES:
+    for k in file_columns.PLATES:
         assert table[f"lateral_{k}_m"].to_numpy() == pytest.approx(
             5e-3 * LATERAL_PROFILE[k - 1] * minimum / minimum[-1]
         )
@@ -96,7 +97,7 @@ def test_history_is_zero_at_the_start_and_whole(engine_output):
     folder = engine_output[1]
     table = pd.read_csv(folder / "history.csv")
     rows = scenario_of(folder)["output.rows_per_cycle"]
-    assert list(table) == list(tables.HISTORY)
+    assert list(table) == list(file_columns.HISTORY)
     assert table["cycle"].to_numpy() == pytest.approx(np.arange(CYCLES * rows + 1) / rows)
     assert table.filter(regex="settlement|lateral").iloc[0].abs().max() == 0
     assert table["settlement_m"].iloc[rows] == pytest.approx(settlement(DEFAULT_LAW, [1])[0], rel=1e-8)
@@ -143,7 +144,7 @@ def test_stages_hold_the_packed_and_the_preloaded_bed(engine_output):
 def test_porosity_is_the_same_in_both_tables(engine_output):
     folder = engine_output[1]
     cycles, structure = pd.read_csv(folder / "cycles.csv"), pd.read_csv(folder / "microstructure.csv")
-    for k in tables.SPHERES:
+    for k in file_columns.SPHERES:
         assert cycles[f"porosity_{k}"].to_numpy() == pytest.approx(structure[f"porosity_{k}"][1:].to_numpy(), rel=1e-8)
 
 
@@ -168,7 +169,7 @@ class Killed(BaseException):
 @pytest.fixture
 def kill_at(monkeypatch):
     """Make the k-th change of a file stop half way, as a kill would."""
-    append, aside, unlink = tables.CycleTable.append, files.write_aside, type(Path()).unlink
+    append, aside, unlink = CycleTable.append, files.write_aside, type(Path()).unlink
 
     def arm(k):
         left = [k]
@@ -198,7 +199,7 @@ def kill_at(monkeypatch):
                 raise Killed
             unlink(self, missing_ok=missing_ok)
 
-        monkeypatch.setattr(tables.CycleTable, "append", killed_append)
+        monkeypatch.setattr(CycleTable, "append", killed_append)
         monkeypatch.setattr(files, "write_aside", killed_aside)
         monkeypatch.setattr(type(Path()), "unlink", killed_unlink)
         return left
@@ -266,7 +267,9 @@ def test_steps_written_twice_count_as_last_written(run, expected):
     """An engine that resumed writes steps again; the first version of them is stale."""
     path = run / "raw" / "cyclic.csv"
     lines = path.read_text().splitlines(keepends=True)
-    stale = [",".join([line.split(",")[0], *["0.5"] * (len(tables.RAW_LOADING) - 1)]) + "\n" for line in lines[100:140]]
+    stale = [
+        ",".join([line.split(",")[0], *["0.5"] * (len(file_columns.RAW_LOADING) - 1)]) + "\n" for line in lines[100:140]
+    ]
     path.write_text("".join(lines[:100] + stale + ["123,torn"] + ["\n"] + lines[100:]))
     normalise_all(run)
     assert content(run) == expected
@@ -298,7 +301,7 @@ def test_ready_only_when_everything_is_there(run):
 
 def test_growing_file_is_read_in_pieces(tmp_path):
     path = tmp_path / "x.csv"
-    table = GrowingTable(path, ("step", "v"))
+    table = RowsByStep(path, ("step", "v"))
     assert table.update() == {}
     text = "v,step\n1,0\n2,10\n3,20\n"
     for k in range(len(text) + 1):
@@ -369,7 +372,7 @@ def test_rotation_angle_is_the_same_for_q_and_minus_q():
     )
     for sign in (1, -1):
         frames = [
-            pd.DataFrame(np.column_stack([np.arange(len(q)), np.zeros((len(q), 3)), q]), columns=tables.BED)
+            pd.DataFrame(np.column_stack([np.arange(len(q)), np.zeros((len(q), 3)), q]), columns=file_columns.BED)
             for q in (first, sign * np.column_stack([w, v]))
         ]
         assert microstructure.rotation_angles(*frames) == pytest.approx(angle, abs=1e-12, rel=1e-7)
@@ -454,7 +457,7 @@ def test_force_measures_of_a_small_table():
             [1, 3, 0, 0, 0, 1, 0, 0, 1e-6, 10.0, 1.0, 0],
             [2, 0, 0, 0, 0, 0, 0, -1, 1e-6, 500.0, 1.0, 1],
         ],
-        columns=tables.CONTACTS,
+        columns=file_columns.CONTACTS,
     )
     measures = microstructure.force_measures(contacts)
     assert measures["normal_force_mean_N"] == 20 and measures["fabric_zz"] == 0.5 and measures["fabric_yy"] == 0

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.normalised import beds, porosity, tables
+from analysis.formats import file_columns
+from analysis.normalised import beds, porosity
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -56,7 +57,9 @@ def test_overlapping_pair_counts_its_lens_once(aspect):
     s = load_scenario("linear-mu0.8")
     s.parameters["clump.aspect"] = type(s.parameters["clump.aspect"])(aspect, "-", "assumed", "test")
     clump = derived.clump(s)
-    bed = pd.DataFrame([[1, 0.1, 0.2, 0.3, 0.6, -0.3, 0.5, math.sqrt(1 - 0.36 - 0.09 - 0.25)]], columns=tables.BED)
+    bed = pd.DataFrame(
+        [[1, 0.1, 0.2, 0.3, 0.6, -0.3, 0.5, math.sqrt(1 - 0.36 - 0.09 - 0.25)]], columns=file_columns.BED
+    )
     centres = beds.sphere_centres(bed, clump.half_distance_m)
     corner, edge = np.array([0.1, 0.2, 0.3]) - 0.04, 0.08
     value, error = unit_cell_void(centres, clump.radius_m, corner, [edge] * 3)
@@ -76,7 +79,7 @@ def test_sphere_axis_follows_the_quaternion():
             [3, 0, 0, 0, half, half, 0, 0],
             [4, 0, 0, 0, half, 0, 0, half],
         ],
-        columns=tables.BED,
+        columns=file_columns.BED,
     )
     assert np.allclose(beds.axes(bed), [[0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, 1]])
 

@@ -14,11 +14,17 @@ from synthetic import write_run
 
 from analysis import load_runs
 from analysis.comparison import quantities
-from analysis.normalised import readers, tables
+from analysis.formats import file_columns
+from analysis.formats.quantities import QUANTITIES
+from analysis.normalised import readers
 from analysis.normalised.readers import Run, read_table
 
 CASES = 240
-TABLES = {"cycles.csv": tables.CYCLES, "history.csv": tables.HISTORY, "microstructure.csv": tables.MICROSTRUCTURE}
+TABLES = {
+    "cycles.csv": file_columns.CYCLES,
+    "history.csv": file_columns.HISTORY,
+    "microstructure.csv": file_columns.MICROSTRUCTURE,
+}
 FILES = (
     *TABLES,
     "run.json",
@@ -179,7 +185,7 @@ def check_usable(run, case):
         assert all(kind.kind in "if" for kind in frame.dtypes), case
         for column in columns:
             values = frame[column].to_numpy()
-            low, high = tables.plausible_range(column)
+            low, high = QUANTITIES[column].low, QUANTITIES[column].high
             assert (np.isnan(values) | ((values >= low) & (values <= high))).all(), (case, column)
         assert (np.diff(frame["cycle"]) > 0).all(), case
     assert isinstance(run.seed, int) and isinstance(run.code, str), case
@@ -187,7 +193,7 @@ def check_usable(run, case):
         bed = run.bed(label)
         assert bed is None or np.isfinite(bed.to_numpy(dtype=float)).all(), case
     contacts = run.contacts(5)
-    assert contacts is None or list(contacts) == list(tables.CONTACTS), case
+    assert contacts is None or list(contacts) == list(file_columns.CONTACTS), case
     if run.scenario is not None:
         assert run.scenario["geometry.box_length"] > 0, case
     summary = quantities.summary(run, [1, 5])
@@ -228,7 +234,7 @@ def test_missing_column(results):
 def test_columns_in_another_order(results, original):
     path = cycles_of(results)
     table = pd.read_csv(path)
-    table[list(reversed(tables.CYCLES))].to_csv(path, index=False)
+    table[list(reversed(file_columns.CYCLES))].to_csv(path, index=False)
     run = load_one(results)
     assert run.problems == [] and run.cycles.equals(load_one(original).cycles)
 
@@ -239,7 +245,7 @@ def test_columns_in_another_order(results, original):
 def test_nothing_in_it(results, content, said):
     run = damaged(results, "cycles.csv", lambda _: content)
     assert run.problems == [f"demo/linear-mu0.8/liggghts/cycles.csv: {said}"]
-    assert len(run.cycles) == 0 and list(run.cycles) == list(tables.CYCLES)
+    assert len(run.cycles) == 0 and list(run.cycles) == list(file_columns.CYCLES)
     assert len(run.microstructure) == 7
 
 
@@ -394,16 +400,16 @@ def test_seeds_filters_and_tidy_frames(tmp_path):
         frame = getattr(runs, name.removesuffix(".csv"))
         assert list(frame) == ["profile", "scenario", "code", "seed", *columns]
         assert frame.groupby(["code", "seed"]).ngroups == 3
-    assert list(load_runs(tmp_path / "nothing").cycles) == ["profile", "scenario", "code", "seed", *tables.CYCLES]
+    assert list(load_runs(tmp_path / "nothing").cycles) == ["profile", "scenario", "code", "seed", *file_columns.CYCLES]
 
 
 def test_large_clean_table_reads_the_same_both_ways(original):
     """The quick way for undamaged files and the careful way give the same values."""
     path = cycles_of(original)
-    quick, none = read_table(path, tables.CYCLES)
+    quick, none = read_table(path, file_columns.CYCLES)
     damaged_copy = path.with_name("copy.csv")
     damaged_copy.write_bytes(path.read_bytes() + b"7,torn")
-    careful, one = read_table(damaged_copy, tables.CYCLES)
+    careful, one = read_table(damaged_copy, file_columns.CYCLES)
     damaged_copy.unlink()
     assert none == [] and len(one) == 1 and quick.equals(careful)
 
@@ -427,7 +433,7 @@ def test_importing_analysis_needs_no_pandas():
 
     code = (
         "import sys; sys.modules['pandas'] = sys.modules['scipy'] = None\n"
-        "import analysis, analysis.scenarios.scenario, analysis.normalised.tables\n"
+        "import analysis, analysis.scenarios.scenario, analysis.formats.file_columns\n"
         "try: analysis.load_runs\nexcept ImportError: print('late')\n"
         "try: analysis.nothing\nexcept AttributeError as e: print(e)"
     )

@@ -26,7 +26,7 @@ from driver import (
 from small_bed import set_value
 
 from analysis.driver import record
-from analysis.normalised import tables
+from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -236,7 +236,7 @@ def test_another_bed_is_refused(finished, undisturbed):
     assert done.returncode == 1 and "bed: own -> bed_packed.csv" in done.stderr
 
 
-HEADER = ",".join(tables.BED)
+HEADER = ",".join(file_columns.BED)
 
 
 @pytest.mark.parametrize(

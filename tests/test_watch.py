@@ -5,7 +5,7 @@ import math
 import pytest
 
 from analysis.driver.watch import Diverged, Watch
-from analysis.normalised import tables
+from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -14,7 +14,7 @@ GRID = derived.time_grid(SCENARIO)
 
 
 def state(stage="cyclic", **values):
-    row = dict.fromkeys(tables.RAW_STATE, "0") | {
+    row = dict.fromkeys(file_columns.RAW_STATE, "0") | {
         "stage": stage,
         "step": str(GRID.steps_per_block),
         "at_limit_share": "nan",
@@ -23,7 +23,7 @@ def state(stage="cyclic", **values):
 
 
 def load(step, stress=0.0, down=0.001):
-    return dict.fromkeys(tables.RAW_LOADING, "0") | {
+    return dict.fromkeys(file_columns.RAW_LOADING, "0") | {
         "step": str(step),
         "sleeper_stress_mean_Pa": repr(stress),
         "sleeper_displacement_m": repr(down),

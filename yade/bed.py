@@ -6,8 +6,6 @@ two sphere centres, into space.
 
 from __future__ import annotations
 
-import csv
-import math
 from pathlib import Path
 
 import numpy as np
@@ -15,15 +13,10 @@ from yade import utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import Omega
 
+from analysis.formats import bed_file
 from analysis.scenarios import derived
-from files import write_aside
 
 O = Omega()
-HEADER = "id,x_m,y_m,z_m,qw,qx,qy,qz"
-
-
-class BedError(ValueError):
-    """A bed file that cannot be used; the message is one line."""
 
 
 class Bed:
@@ -51,8 +44,9 @@ class Bed:
 
         shells -- (material label, collision mask) of each pair of spheres that a clump gets, see contact.py
         """
-        clump, masses = self.clump, []
-        for number, centre, orientation in read_bed(path):
+        clump, placed = self.clump, []
+        for pose in bed_file.read(path):
+            centre, orientation = Vector3(pose.x_m, pose.y_m, pose.z_m), orientation_of(pose)
             half = orientation * Vector3(0, 0, clump.half_distance_m)
             members = [
                 utils.sphere(centre + side * half, clump.radius_m, material=material, mask=mask)
@@ -70,8 +64,8 @@ class Bed:
             body.state.refOri = body.state.ori.conjugate() * orientation
             for i in ids:
                 O.bodies[i].state.mass = self._dashpot_mass  # by default the whole clump's
-            masses.append(number)
-        self.numbers += masses
+            placed.append(pose.id)
+        self.numbers += placed
         self._find_bodies()
 
     def remove_outside(self, box) -> int:
@@ -115,28 +109,13 @@ class Bed:
 
     def write(self, path: Path) -> None:
         """Write the common bed file."""
-        lines = [HEADER]
+        rows = []
         for number, state in zip(self.numbers, self._states, strict=True):
             q = state.ori * state.refOri
-            lines.append(f"{number}," + ",".join(repr(float(v)) for v in (*state.pos, q[3], q[0], q[1], q[2])))
-        write_aside(path, "\n".join(lines) + "\n")
+            rows.append((number, *state.pos, q[3], q[0], q[1], q[2]))
+        bed_file.write(path, rows)
 
 
-def read_bed(path: Path) -> list[tuple[int, Vector3, Quaternion]]:
-    """Number, centre (m) and orientation of each clump of a common bed file; BedError naming file and line."""
-    bed = []
-    with open(path, newline="", encoding="ascii") as file:
-        reader = csv.reader(file)
-        if ",".join(next(reader, [])) != HEADER:
-            raise BedError(f"{path.name}: the first line is not {HEADER}; give a bed file")
-        for row in reader:
-            try:
-                number, values = int(row[0]), [float(v) for v in row[1:]]
-                x, y, z, qw, qx, qy, qz = values
-            except (ValueError, IndexError):
-                raise BedError(f"{path.name}: line {reader.line_num} is not {HEADER}; write the file again") from None
-            norm = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
-            if not 0.99 < norm < 1.01:
-                raise BedError(f"{path.name}: line {reader.line_num}: the quaternion's length is {norm:g}, not 1")
-            bed.append((number, Vector3(x, y, z), Quaternion(qw, qx, qy, qz).normalized()))
-    return bed
+def orientation_of(pose: bed_file.Pose) -> Quaternion:
+    """Orientation of a clump as YADE's quaternion, of length 1."""
+    return Quaternion(pose.qw, pose.qx, pose.qy, pose.qz).normalized()

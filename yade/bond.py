@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+from files import write_aside
 from yade import utils
 from yade.wrapper import (
     CohFrictMat,
@@ -24,7 +25,6 @@ from yade.wrapper import (
 import __main__
 from analysis import laws_bond
 from analysis.scenarios import derived
-from files import write_aside
 
 O = Omega()
 MATERIAL, MEETS_NOTHING = "bond", 0

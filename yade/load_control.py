@@ -15,14 +15,13 @@ from collections import deque
 from yade.wrapper import Omega, PyRunner
 
 import __main__
+from analysis.files import write_aside
+from analysis.formats.file_columns import RAW_LOADING, header
+from analysis.formats.growing_csv import append_text
 from analysis.scenarios import derived
 from apparatus import Apparatus
 
 O = Omega()
-COLUMNS = (
-    "step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,sleeper_displacement_m"
-)
-PLATE_COLUMNS = ",plate_{0}_stress_Pa,plate_{0}_stress_mean_Pa,plate_{0}_displacement_m"
 
 
 def centre(block, axis: int) -> float:
@@ -166,13 +165,11 @@ class LoadControl:
 
     def start_file(self) -> None:
         """Begin raw/<stage>.csv with its header."""
-        header = COLUMNS + "".join(PLATE_COLUMNS.format(k + 1) for k in range(len(self.plates))) + "\n"
-        self.path.write_text(header, encoding="ascii")
+        write_aside(self.path, header(RAW_LOADING))
 
     def write_rows(self) -> None:
         """Append the rows since the last call to the file."""
-        with open(self.path, "a", encoding="ascii") as file:
-            file.writelines(self.rows)
+        append_text(self.path, "".join(self.rows), sync=False)
         self.rows.clear()
 
     def mean_stresses(self) -> list[float]:

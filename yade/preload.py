@@ -17,10 +17,10 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 
 import apparatus  # noqa: E402
 import stage  # noqa: E402
+from analysis.files import write_aside  # noqa: E402
 from bed import Bed  # noqa: E402
 from bond import Bonds  # noqa: E402
 from contact import ContactLaw, deviations  # noqa: E402
-from files import write_aside  # noqa: E402
 from load_control import LoadControl  # noqa: E402
 from state import write_contacts  # noqa: E402
 

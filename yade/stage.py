@@ -17,10 +17,12 @@ from pathlib import Path
 
 from yade.wrapper import Omega
 
+from analysis.files import write_aside
+from analysis.formats.errors import InputError
+from analysis.formats.growing_csv import GrowingCsv, Row, append_text
+from analysis.formats.run_record import STAGES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
-from bed import BedError
-from files import write_aside
 from state import StateRow
 
 O = Omega()
@@ -90,8 +92,7 @@ class Stage:
         step, time = self.step, O.time
         if self.name == "cyclic":
             step, time = step - 1, (step - 1) * self.grid.step_s
-        with open(self.raw("state.csv"), "a", encoding="ascii") as file:
-            file.write(row.line(self.name, step, time))
+        append_text(self.raw("state.csv"), row.line(self.name, step, time), sync=False)
         return row
 
     def advance_or_stop(self, steps: int) -> StateRow:
@@ -139,21 +140,13 @@ class Stage:
 
         A resumed run writes those rows again.
         """
-        path, order = self.raw(name), ["packing", "preload", "cyclic"]
-        if not path.exists():
-            return
-        with open(path, encoding="ascii") as file:
-            header, *rows = file.read().splitlines(keepends=True)
-        staged = header.startswith("stage,")
-        here = order.index(self.name)
+        here = STAGES.index(self.name)
 
-        def keep(row: str) -> bool:
-            if not row.endswith("\n"):
-                return False
-            stage, number = (row.split(",", 2)[:2]) if staged else (self.name, row.split(",", 1)[0])
-            return order.index(stage) < here or (order.index(stage) == here and int(number) <= step)
+        def keep(row: Row) -> bool:
+            stage = STAGES.index(row.get("stage", self.name))
+            return stage < here or (stage == here and int(row["step"]) <= step)
 
-        write_aside(path, header + "".join(row for row in rows if keep(row)))
+        GrowingCsv(self.raw(name)).cut(keep)
 
     def start_state_file(self) -> None:
         """Make raw/state.csv ready: header, and only rows of the stages before this one and of this one up to now."""
@@ -230,7 +223,7 @@ def main(name: str, procedure) -> None:
         if not (run / "scenario.json").exists():
             raise StageError(f"{name}: {run.name}/scenario.json is missing; `make run` writes it")
         procedure(Stage(name, run), Path(sys.argv[2]) if len(sys.argv) > 2 else None)
-    except (StageError, BedError) as error:
+    except (StageError, InputError) as error:
         print(f"ERROR: {error}", flush=True)
         sys.exit(1)
     except OSError as error:

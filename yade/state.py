@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from yade.wrapper import Omega
 
+from analysis.files import write_aside
+from analysis.formats.file_columns import CONTACTS, RAW_STATE, header
 from bond import is_bond
-from files import write_aside
 
 O = Omega()
 LIMIT = 1 - 1e-6
@@ -79,11 +80,11 @@ class StateRow:
     @classmethod
     def header(cls) -> str:
         """First line of the file."""
-        return "stage,step,time_s," + ",".join(field.name for field in fields(cls)) + "\n"
+        return header(RAW_STATE)
 
     def line(self, stage: str, step: int, time_s: float) -> str:
         """This row as a line of the file."""
-        values = [stage, step, repr(time_s), *(repr(getattr(self, field.name)) for field in fields(self))]
+        values = [stage, step, repr(time_s), *(repr(getattr(self, name)) for name in RAW_STATE[3:])]
         return ",".join(map(str, values)) + "\n"
 
     @classmethod
@@ -115,9 +116,9 @@ def write_contacts(bed, path) -> None:
     first, second = np.where(wall, second, first), np.where(wall, 0, second)
     normal = np.where(wall[:, None], -contacts.normal, contacts.normal)
     shear, sliding = np.linalg.norm(contacts.shear_force_N, axis=1), contacts.sliding
-    lines = ["clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding"]
+    lines = []
     for k in range(len(first)):
         values = (*contacts.point_m[k], *normal[k], contacts.overlap_m[k], contacts.normal_force_N[k], shear[k])
         text = ",".join(repr(float(v)) for v in values)
-        lines.append(f"{first[k]},{second[k]},{text},{int(sliding[k])}")
-    write_aside(path, "\n".join(lines) + "\n")
+        lines.append(f"{first[k]},{second[k]},{text},{int(sliding[k])}\n")
+    write_aside(path, header(CONTACTS) + "".join(lines))

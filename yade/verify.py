@@ -25,8 +25,9 @@ import __main__
 ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
 sys.path += [str(ROOT), str(ROOT / "yade")]
 
+from analysis.formats import bed_file  # noqa: E402
 from analysis.scenarios.scenario import Scenario  # noqa: E402
-from bed import HEADER, Bed  # noqa: E402
+from bed import Bed  # noqa: E402
 from bond import Bonds, is_bond  # noqa: E402
 from contact import ContactLaw  # noqa: E402
 
@@ -66,15 +67,7 @@ def add_clumps(scenario, clumps: list, shells: tuple, folder: Path) -> list[list
     if not clumps:
         return []
     path = folder / "bed.csv"
-    path.write_text(
-        HEADER
-        + "\n"
-        + "".join(
-            f"{n}," + ",".join(map(repr, (*clump["position"], *clump["quaternion"]))) + "\n"
-            for n, clump in enumerate(clumps, start=1)
-        ),
-        encoding="ascii",
-    )
+    bed_file.write(path, [(n, *clump["position"], *clump["quaternion"]) for n, clump in enumerate(clumps, start=1)])
     first = len(O.bodies)  # a ball of several shells is a clump of YADE's too
     Bed(scenario).place(path, shells)
     ends = []

@@ -14,7 +14,7 @@ import pandas as pd
 from scipy import stats
 
 from analysis.comparison import quantities
-from analysis.normalised import tables
+from analysis.formats import file_columns
 
 AGREEMENT = (
     "profile",
@@ -22,7 +22,7 @@ AGREEMENT = (
     "quantity",
     "cycle",
     "unit",
-    *(f"{code}_{what}" for code in tables.CODES for what in ("mean", "low", "high", "seeds")),
+    *(f"{code}_{what}" for code in file_columns.CODES for what in ("mean", "low", "high", "seeds")),
     "difference",
     "ratio",
     "seed_scatter",
@@ -77,7 +77,7 @@ def agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_SHOWN) -
             code: [
                 r for r in runs if (r.profile, r.scenario_name, r.code) == (profile, scenario, code) and len(r.cycles)
             ]
-            for code in tables.CODES
+            for code in file_columns.CODES
         }
         if not all(members.values()):
             continue
@@ -98,7 +98,7 @@ def _values(run, shown: Sequence[int], last: int) -> pd.DataFrame:
     """The compared quantities of one run, nothing beyond cycle `last`: quantity, cycle, unit, value."""
     seen = _Until(run, last)
     table = quantities.after_cycles(seen, shown)
-    mean = seen.cycles.set_index("cycle")[[f"lateral_{k}_m" for k in tables.PLATES]].mean(axis=1, skipna=False)
+    mean = seen.cycles.set_index("cycle")[[f"lateral_{k}_m" for k in file_columns.PLATES]].mean(axis=1, skipna=False)
     further = [("lateral_mean_m", n, "m", mean.get(n, math.nan)) for n in shown]
     further.append(("tracking_worst_Pa", last, "Pa", seen.cycles["tracking_rms_Pa"].max()))
     further.append(
@@ -134,7 +134,7 @@ def _compare(samples: dict[str, np.ndarray]) -> tuple:
     within = None if math.isnan(scatter) else bool(abs(difference) <= stats.t.ppf(0.975, degrees) * error)
     bands = [
         x
-        for code in tables.CODES
+        for code in file_columns.CODES
         for x in (means[code], float(samples[code].min()), float(samples[code].max()), len(samples[code]))
     ]
     return *bands, difference, ratio, scatter, within
@@ -152,7 +152,7 @@ def lateral_agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_
     for profile, scenario in dict.fromkeys((run.profile, run.scenario_name) for run in runs):
         found = {
             code: [r for r in runs if (r.profile, r.scenario_name, r.code) == (profile, scenario, code)]
-            for code in tables.CODES
+            for code in file_columns.CODES
         }
         last = last_common_cycle(found["yade"] + found["liggghts"])
         if not all(found.values()) or not last:

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import settlement_fits
-from analysis.normalised import tables
+from analysis.formats import file_columns
 from analysis.scenarios import derived
 
 CYCLES_SHOWN = (1, 10, 100, 1000)
@@ -70,7 +70,7 @@ def per_cycle(run) -> pd.DataFrame:
             area * (cycles["sleeper_stress_max_Pa"] - cycles["sleeper_stress_min_Pa"]) / stroke.where(stroke > 0)
         )
     follows = cycles["cycle"].diff().fillna(cycles["cycle"]) == 1  # after a lost row the increment is unknown
-    spheres = cycles[[f"porosity_{k}" for k in tables.SPHERES]]
+    spheres = cycles[[f"porosity_{k}" for k in file_columns.SPHERES]]
     return pd.DataFrame(
         {
             "cycle": cycles["cycle"],
@@ -123,7 +123,11 @@ def lateral_profile(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
     depth = plate_depths(run.scenario) if run.scenario is not None else np.full(5, math.nan)
     rows = run.cycles[run.cycles["cycle"].isin(cycles)]
     return pd.DataFrame(
-        [(row["cycle"], k, depth[k - 1], row[f"lateral_{k}_m"]) for _, row in rows.iterrows() for k in tables.PLATES],
+        [
+            (row["cycle"], k, depth[k - 1], row[f"lateral_{k}_m"])
+            for _, row in rows.iterrows()
+            for k in file_columns.PLATES
+        ],
         columns=["cycle", "plate", "depth_m", "lateral_m"],
     ).astype({"cycle": int, "plate": int})
 
@@ -164,7 +168,7 @@ def settling_rates(run) -> pd.DataFrame:
     whole = pd.DataFrame(
         {
             "settlement_rate_m": cycles["settlement_m"],
-            "lateral_rate_m": cycles[[f"lateral_{k}_m" for k in tables.PLATES]].mean(axis=1, skipna=False),
+            "lateral_rate_m": cycles[[f"lateral_{k}_m" for k in file_columns.PLATES]].mean(axis=1, skipna=False),
             "crib_heave_rate_m": inner[~inner.index.duplicated()],
         }
     ).reindex(edges)
@@ -228,8 +232,8 @@ def after_cycles(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
         {
             "settlement_m": "m",
             "settlement_peak_m": "m",
-            **{f"lateral_{k}_m": "m" for k in tables.PLATES},
-            **{f"porosity_{k}": "-" for k in tables.SPHERES},
+            **{f"lateral_{k}_m": "m" for k in file_columns.PLATES},
+            **{f"porosity_{k}": "-" for k in file_columns.SPHERES},
             "tracking_rms_Pa": "Pa",
             "clumps": "-",
         },

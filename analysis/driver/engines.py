@@ -11,13 +11,13 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from analysis.files import ROOT, write_aside, write_csv
-from analysis.normalised import tables
+from analysis.files import ROOT, write_aside
+from analysis.formats import bed_file, file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.lattice import lattice_bed
 from analysis.scenarios.scenario import Scenario
 
-CODES = tables.CODES
+CODES = file_columns.CODES
 STAGES = ("packing", "preload", "cyclic")
 CHECKPOINT_SUFFIX = {"yade": "yade.gz", "liggghts": "restart"}
 HOST = ROOT / "liggghts" / "build" / "ballast"
@@ -38,7 +38,7 @@ def write_inputs(scenario: Scenario, run_dir: Path, seed: int) -> None:
 
 def write_bed(path: Path, poses) -> None:
     """Write poses (x, y, z, qw, qx, qy, qz) as a common bed file with ids from 1."""
-    write_csv(path, [tables.BED, *((number, *map(repr, pose)) for number, pose in enumerate(poses, start=1))])
+    bed_file.write(path, ((number, *pose) for number, pose in enumerate(poses, start=1)))
 
 
 def command(code: str, stage: str, run_dir: Path, checkpoint: Path | None = None, ranks: int = 1) -> list[str]:

@@ -23,11 +23,12 @@ from analysis.driver import checkpoints, record
 from analysis.driver.engines import CODES, STAGES, EngineError, command, versions, write_inputs
 from analysis.driver.locks import Busy, hold
 from analysis.driver.progress import Progress, duration
-from analysis.driver.rawfiles import cut_stage, keep_rows, last_rows
+from analysis.driver.rawfiles import cut_stage, last_rows
 from analysis.driver.supervise import DISK_FULL, Interrupted, RunError, StopRequest, Supervisor, deviations
 from analysis.driver.watch import Diverged
 from analysis.files import ROOT, write_aside
-from analysis.normalised import tables
+from analysis.formats import file_columns
+from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, ScenarioError, load_scenario
 
@@ -312,7 +313,7 @@ class Run:
         def refuse(what: str) -> RunError:
             return RunError(f"{path}: {what}")
 
-        columns = ",".join(tables.BED)
+        columns = ",".join(file_columns.BED)
         try:
             text = path.read_text()
             header, *lines = text.splitlines() or [""]
@@ -325,7 +326,7 @@ class Run:
             raise refuse(f"is not a bed file; a bed has the columns {columns} and a row per clump")
         box = derived.apparatus(self.scenario)
         for line, pose in enumerate(poses, start=2):
-            if len(pose) != len(tables.BED) or not math.isclose(math.hypot(*pose[4:]), 1, abs_tol=1e-6):
+            if len(pose) != len(file_columns.BED) or not math.isclose(math.hypot(*pose[4:]), 1, abs_tol=1e-6):
                 raise refuse(f"line {line} is not a pose; it needs {columns} with a unit quaternion")
             if not all(
                 0 <= value <= top
@@ -388,7 +389,7 @@ class Run:
         if start is None and self.record["steps"].get(stage):
             self.progress.say(f"{stage} begins again: it has no checkpoints")
         if start is None:
-            keep_rows(self.raw / "state.csv", lambda row: STAGES.index(row["stage"]) < STAGES.index(stage))
+            GrowingCsv(self.raw / "state.csv").cut(lambda row: STAGES.index(row["stage"]) < STAGES.index(stage))
         self._save(stage=stage)
         began, wall_before = time.monotonic(), self.record["timing"]["wall_s"].get(stage, 0.0)
 

@@ -15,7 +15,7 @@ from analysis.driver import checkpoints
 from analysis.driver.process import STOPPED, Engine
 from analysis.driver.progress import Meter, Progress, duration
 from analysis.driver.watch import Diverged, Watch
-from analysis.files import GrowingCsv
+from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 
 POLL_S = 0.2
@@ -79,8 +79,9 @@ class Supervisor:
         # At step 0 the engine still has to write the first row.
         self.row_step = self.state_step = (start.step(self.grid) if start else 0) or None
         self.watch = Watch(scenario, stage, self.row_step)
-        self._state = GrowingCsv(self.raw / "state.csv", skip=True)
-        self._load = GrowingCsv(self.raw / f"{stage}.csv", skip=True)
+        self._state, self._load = GrowingCsv(self.raw / "state.csv"), GrowingCsv(self.raw / f"{stage}.csv")
+        self._state.skip()
+        self._load.skip()
         self._meter, self._last = Meter(), {}
         self._seen = self._beat = time.monotonic()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from analysis.files import Row
+from analysis.formats.growing_csv import Row
 from analysis.scenarios import derived
 
 LOAD_REACHED = 0.5

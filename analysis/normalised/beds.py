@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.normalised import tables
+from analysis.formats import file_columns
 
 
 def read_bed(path: Path) -> pd.DataFrame:
-    """The bed file as a table (columns `tables.BED`) in the order of the clump ids.
+    """The bed file as a table (columns `file_columns.BED`) in the order of the clump ids.
 
     Raises ValueError with one line where it is not a bed.
     """
@@ -20,12 +20,12 @@ def read_bed(path: Path) -> pd.DataFrame:
         bed = pd.read_csv(path)
     except (OSError, ValueError) as error:
         raise ValueError(
-            f"{path.name}: cannot be read as a bed ({error}); give a CSV with {','.join(tables.BED)}"
+            f"{path.name}: cannot be read as a bed ({error}); give a CSV with {','.join(file_columns.BED)}"
         ) from None
-    missing = [c for c in tables.BED if c not in bed]
+    missing = [c for c in file_columns.BED if c not in bed]
     if missing:
-        raise ValueError(f"{path.name}: column {missing[0]} is missing; a bed has {','.join(tables.BED)}")
-    numbers = bed[list(tables.BED)].apply(pd.to_numeric, errors="coerce").to_numpy()
+        raise ValueError(f"{path.name}: column {missing[0]} is missing; a bed has {','.join(file_columns.BED)}")
+    numbers = bed[list(file_columns.BED)].apply(pd.to_numeric, errors="coerce").to_numpy()
     if len(bed) == 0 or not np.isfinite(numbers).all():
         bad = (
             "no clumps"
@@ -33,7 +33,7 @@ def read_bed(path: Path) -> pd.DataFrame:
             else f"a value that is no number for clump {bed['id'][~np.isfinite(numbers).all(axis=1)].iloc[0]}"
         )
         raise ValueError(f"{path.name}: {bad}; give a bed with a finite pose for every clump")
-    return bed[list(tables.BED)].sort_values("id", ignore_index=True)
+    return bed[list(file_columns.BED)].sort_values("id", ignore_index=True)
 
 
 def positions(bed: pd.DataFrame) -> np.ndarray:

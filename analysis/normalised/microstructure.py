@@ -31,7 +31,8 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import cKDTree
 
-from analysis.normalised import beds, tables
+from analysis.formats import file_columns
+from analysis.normalised import beds
 from analysis.scenarios import derived
 
 
@@ -130,7 +131,7 @@ def anisotropy(tensor: np.ndarray) -> float:
 
 
 def force_measures(contacts: pd.DataFrame) -> dict[str, float]:
-    """Fabric, strong network and sliding share from a contact table (columns `tables.CONTACTS`)."""
+    """Fabric, strong network and sliding share from a contact table (columns `file_columns.CONTACTS`)."""
     between = contacts[contacts["clump_2"] != 0]
     force = between["normal_force_N"].to_numpy(dtype=float)
     if len(force) == 0 or force.sum() <= 0:
@@ -162,9 +163,11 @@ def read_contacts(path: Path) -> pd.DataFrame:
         contacts = pd.read_csv(path)
     except (OSError, ValueError) as error:
         raise ValueError(f"{path.name}: cannot be read as contacts ({error})") from None
-    missing = [c for c in tables.CONTACTS if c not in contacts]
+    missing = [c for c in file_columns.CONTACTS if c not in contacts]
     if missing:
-        raise ValueError(f"{path.name}: column {missing[0]} is missing; contacts have {','.join(tables.CONTACTS)}")
+        raise ValueError(
+            f"{path.name}: column {missing[0]} is missing; contacts have {','.join(file_columns.CONTACTS)}"
+        )
     return contacts
 
 

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from analysis import files
-from analysis.files import GrowingTable, Row
-from analysis.normalised import beds, microstructure, porosity, stages, tables
+from analysis.formats import file_columns, numbers
+from analysis.formats.growing_csv import CycleTable, Row, RowsByStep
+from analysis.normalised import beds, microstructure, porosity, stages
 from analysis.scenarios import derived
 
 
@@ -38,20 +39,20 @@ class Normaliser:
         self._raw = self.folder / "raw"
         self._grid, self._box = derived.time_grid(scenario), derived.apparatus(scenario)
         self._clump = derived.clump(scenario)
-        self._cycles = tables.CycleTable(self.folder / "cycles.csv", tables.CYCLES)
-        self._history = tables.CycleTable(self.folder / "history.csv", tables.HISTORY, tables.short_cell)
-        self._microstructure = tables.CycleTable(
-            self.folder / "microstructure.csv", tables.MICROSTRUCTURE, tables.short_cell
+        self._cycles = CycleTable(self.folder / "cycles.csv", file_columns.CYCLES)
+        self._history = CycleTable(self.folder / "history.csv", file_columns.HISTORY, numbers.short)
+        self._microstructure = CycleTable(
+            self.folder / "microstructure.csv", file_columns.MICROSTRUCTURE, numbers.short
         )
-        self._loading = GrowingTable(self._raw / "cyclic.csv", tables.RAW_LOADING)
-        self._state = GrowingTable(self._raw / "state.csv", tables.RAW_STATE, stage="cyclic")
+        self._loading = RowsByStep(self._raw / "cyclic.csv", file_columns.RAW_LOADING)
+        self._state = RowsByStep(self._raw / "state.csv", file_columns.RAW_STATE, stage="cyclic")
         self._spheres = self._first_bed = self._done = None
 
     # ------------------------------------------------------------------ what the driver calls
 
     def before(self) -> None:
         """Write bed_before.csv, stages.json, row 0 of microstructure.csv; start the tables anew if the bed changed."""
-        self._begin(tables.EVERYTHING)
+        self._begin(math.inf)
 
     def ready(self, n: int) -> bool:
         """True when the engine has written everything that belongs to cycle `n`."""
@@ -77,12 +78,12 @@ class Normaliser:
         zero = self._numbers(self._row(0))
         end = rows[-1]
         bed = self._read(beds.read_bed, self._bed(n))
-        lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES]
+        lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in file_columns.PLATES]
         structure = self._microstructure_row(
             n,
             bed,
             end["sleeper_displacement_m"],
-            [end[f"plate_{k}_displacement_m"] for k in tables.PLATES],
+            [end[f"plate_{k}_displacement_m"] for k in file_columns.PLATES],
             lateral,
             self._state_row(n),
         )
@@ -92,8 +93,8 @@ class Normaliser:
             "time_s": end["time_s"],
             "settlement_m": end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
             "settlement_peak_m": rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-            **{f"lateral_{k}_m": value for k, value in zip(tables.PLATES, lateral, strict=True)},
-            **{f"porosity_{k}": value for k, value in zip(tables.SPHERES, structure[1:4], strict=True)},
+            **{f"lateral_{k}_m": value for k, value in zip(file_columns.PLATES, lateral, strict=True)},
+            **{f"porosity_{k}": value for k, value in zip(file_columns.SPHERES, structure[1:4], strict=True)},
             "sleeper_stress_min_Pa": min(mean_stress),
             "sleeper_stress_max_Pa": max(mean_stress),
             "tracking_rms_Pa": math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
@@ -102,7 +103,7 @@ class Normaliser:
 
         self._append_history([n])
         self._microstructure.append([structure])
-        self._cycles.append([[row[name] for name in tables.CYCLES]])
+        self._cycles.append([[row[name] for name in file_columns.CYCLES]])
         self._done = n
         self._loading.drop_until(n * self._grid.steps_per_cycle, but=0)
         self._state.drop_until(n * self._grid.steps_per_cycle)
@@ -133,7 +134,7 @@ class Normaliser:
         if not (self._raw / "bed_preloaded.csv").exists():
             return
         if self._done is None:
-            self._begin(tables.EVERYTHING)
+            self._begin(math.inf)
         if self._done > 0 and self._bed(self._done).exists():
             files.write_aside(self.folder / "bed_after.csv", self._bed(self._done).read_text())
 
@@ -158,7 +159,7 @@ class Normaliser:
         if without_stages:
             moved = {
                 "settlement_m": sleeper_down,
-                **{f"lateral_{k}_m": v for k, v in zip(tables.PLATES, plates_out, strict=True)},
+                **{f"lateral_{k}_m": v for k, v in zip(file_columns.PLATES, plates_out, strict=True)},
             }
             stages.write_stages(self.folder, self.scenario, moved, self._measurement_spheres())
         if without_start:
@@ -187,7 +188,7 @@ class Normaliser:
             raise NormaliseError(f"raw/{error}") from None
 
     @staticmethod
-    def _update(growing: GrowingTable) -> dict[int, Row]:
+    def _update(growing: RowsByStep) -> dict[int, Row]:
         try:
             return growing.update()
         except ValueError as error:
@@ -230,17 +231,17 @@ class Normaliser:
                 f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it"
             )
         try:
-            return {name: float(row[name] or "nan") for name in tables.RAW_STATE[1:]}
+            return {name: float(row[name] or "nan") for name in file_columns.RAW_STATE[1:]}
         except ValueError as error:
             raise NormaliseError(f"raw/state.csv: step {step} of stage cyclic: {error}") from None
 
     def _preloaded_places(self) -> tuple[float, list[float]]:
         """Where sleeper (down, m) and plates (out, m) stand at the end of preload, since its start."""
-        rows = self._update(GrowingTable(self._raw / "preload.csv", tables.RAW_LOADING))
+        rows = self._update(RowsByStep(self._raw / "preload.csv", file_columns.RAW_LOADING))
         if not rows:
             raise NormaliseError("raw/preload.csv: has no rows; run the preload stage again")
         last = self._numbers(rows[max(rows)])
-        return last["sleeper_displacement_m"], [last[f"plate_{k}_displacement_m"] for k in tables.PLATES]
+        return last["sleeper_displacement_m"], [last[f"plate_{k}_displacement_m"] for k in file_columns.PLATES]
 
     # ------------------------------------------------------------------ rows of the normalised tables
 
@@ -258,8 +259,8 @@ class Normaliser:
             raw["sleeper_stress_Pa"],
             raw["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
             self.scenario["preload.plate_stress"],
-            *(raw[f"plate_{k}_stress_Pa"] for k in tables.PLATES),
-            *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in tables.PLATES),
+            *(raw[f"plate_{k}_stress_Pa"] for k in file_columns.PLATES),
+            *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in file_columns.PLATES),
         ]
 
     def _measurement_spheres(self) -> porosity.MeasurementSpheres:
@@ -272,7 +273,7 @@ class Normaliser:
         porosities, error = self._measurement_spheres().measure(centres, sleeper_down, plates_out)
         values = {
             "cycle": n,
-            **{f"porosity_{k}": v for k, v in zip(tables.SPHERES, porosities, strict=True)},
+            **{f"porosity_{k}": v for k, v in zip(file_columns.SPHERES, porosities, strict=True)},
             "porosity_error": error,
             "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
             **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),
@@ -288,4 +289,4 @@ class Normaliser:
             values.update(microstructure.force_measures(contacts))
             if not values.get("sliding_share", np.nan) >= 0:
                 values["sliding_share"] = microstructure.sliding_share(contacts)
-        return [values.get(name, np.nan) for name in tables.MICROSTRUCTURE]
+        return [values.get(name, np.nan) for name in file_columns.MICROSTRUCTURE]

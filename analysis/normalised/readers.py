@@ -19,7 +19,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.normalised import beds, microstructure, stages, tables
+from analysis.formats import file_columns
+from analysis.formats.quantities import QUANTITIES
+from analysis.normalised import beds, microstructure, stages
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
 from analysis.scenarios.schema import KEYS
 
@@ -118,7 +120,7 @@ def _run_folders(results_dir: Path) -> list[Path]:
 class Run:
     """One run: `.cycles`, `.history`, `.microstructure` (data frames), `.info` (run.json), `.scenario`, `.problems`.
 
-    Frames always have all columns of `analysis.normalised.tables`; what a file lacks is nan.
+    Frames always have all columns of `analysis.formats.file_columns`; what a file lacks is nan.
     """
 
     def __init__(self, folder: Path, results_dir: Path | None = None, quiet: bool = False):
@@ -131,7 +133,7 @@ class Run:
         self.scenario_name: str = join_id(
             self.info.get("scenario") or parts[1], split_variants(self.info.get("variant", ""))
         )
-        self.code: str = self.info["code"] if self.info.get("code") in tables.CODES else name
+        self.code: str = self.info["code"] if self.info.get("code") in file_columns.CODES else name
         self.seed: int = self.info.get("seed", int(seed) if seed.isdigit() else 1)
 
     @property
@@ -158,18 +160,18 @@ class Run:
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
-        """One row per finished cycle, see `analysis.normalised.tables.CYCLES`."""
-        return self._table("cycles.csv", tables.CYCLES, whole=True)
+        """One row per finished cycle, see `analysis.normalised.file_columns.CYCLES`."""
+        return self._table("cycles.csv", file_columns.CYCLES, whole=True)
 
     @cached_property
     def history(self) -> pd.DataFrame:
-        """At least 40 rows per cycle, see `analysis.normalised.tables.HISTORY`; `cycle` is fractional."""
-        return self._table("history.csv", tables.HISTORY, whole=False)
+        """At least 40 rows per cycle, see `analysis.normalised.file_columns.HISTORY`; `cycle` is fractional."""
+        return self._table("history.csv", file_columns.HISTORY, whole=False)
 
     @cached_property
     def microstructure(self) -> pd.DataFrame:
-        """One row per cycle, row 0 before loading, see `analysis.normalised.tables.MICROSTRUCTURE`."""
-        return self._table("microstructure.csv", tables.MICROSTRUCTURE, whole=True)
+        """One row per cycle, row 0 before loading, see `analysis.normalised.file_columns.MICROSTRUCTURE`."""
+        return self._table("microstructure.csv", file_columns.MICROSTRUCTURE, whole=True)
 
     @cached_property
     def stages(self) -> stages.Stages:
@@ -301,17 +303,17 @@ class Runs(list):
     @property
     def cycles(self) -> pd.DataFrame:
         """`Run.cycles` of all runs."""
-        return self._together("cycles", tables.CYCLES)
+        return self._together("cycles", file_columns.CYCLES)
 
     @property
     def history(self) -> pd.DataFrame:
         """`Run.history` of all runs."""
-        return self._together("history", tables.HISTORY)
+        return self._together("history", file_columns.HISTORY)
 
     @property
     def microstructure(self) -> pd.DataFrame:
         """`Run.microstructure` of all runs."""
-        return self._together("microstructure", tables.MICROSTRUCTURE)
+        return self._together("microstructure", file_columns.MICROSTRUCTURE)
 
     def select(self, **identity) -> Runs:
         """The runs of the given profile, scenario, code, seed."""
@@ -394,7 +396,7 @@ def _undamaged(path: Path, columns: Sequence[str]) -> pd.DataFrame | None:
     if list(frame) != list(columns) or len(frame) == 0 or not isinstance(frame.index, pd.RangeIndex):
         return None
     for name in columns:
-        low, high = tables.plausible_range(name)
+        low, high = QUANTITIES[name].low, QUANTITIES[name].high
         if not ((frame[name] >= low) & (frame[name] <= high)).all():
             return None
     return frame
@@ -433,7 +435,7 @@ def _drop_nonsense(frame: pd.DataFrame, cells: pd.DataFrame, header: list[str], 
         if unread.any():
             texts = cells[header.index(name)][unread].str.strip()
             unread[unread] = ~(texts.eq("") | texts.str.lower().isin(["nan", "-nan"])).to_numpy()
-        low, high = tables.plausible_range(name)
+        low, high = QUANTITIES[name].low, QUANTITIES[name].high
         with np.errstate(invalid="ignore"):
             absurd = (values < low) | (values > high)
         if unread.any():

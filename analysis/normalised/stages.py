@@ -16,7 +16,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from analysis import files
-from analysis.normalised import beds, microstructure, porosity, tables
+from analysis.formats import file_columns
+from analysis.formats.quantities import QUANTITIES
+from analysis.normalised import beds, microstructure, porosity
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -52,11 +54,11 @@ def bed_measures(
     """
     clump, bed = derived.clump(scenario), beds.read_bed(path)
     centres = beds.sphere_centres(bed, clump.half_distance_m)
-    at = places.get("settlement_m", 0.0), [places.get(f"lateral_{k}_m", 0.0) for k in tables.PLATES]
+    at = places.get("settlement_m", 0.0), [places.get(f"lateral_{k}_m", 0.0) for k in file_columns.PLATES]
     porosities, _ = spheres.measure(centres, *at)
     return {
         "clumps": len(bed),
-        **{f"porosity_{n}": float(value) for n, value in zip(tables.SPHERES, porosities, strict=True)},
+        **{f"porosity_{n}": float(value) for n, value in zip(file_columns.SPHERES, porosities, strict=True)},
         "porosity_mean": float(sum(porosities) / len(porosities)),
         **microstructure.contact_measures(centres, clump.radius_m, derived.apparatus(scenario), *at),
     }
@@ -85,5 +87,9 @@ def read_stages(folder: Path, problem: Callable[[str], None]) -> Stages:
 def _is_possible(name: str, value) -> bool:
     if name == "bed_sha256":
         return isinstance(value, str)
-    low, high = tables.plausible_range(name)
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
+    return (
+        isinstance(value, (int, float))
+        and not isinstance(value, bool)
+        and name in QUANTITIES
+        and QUANTITIES[name].accepts(value)
+    )

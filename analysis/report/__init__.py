@@ -1,7 +1,6 @@
 """The site that `make compare` builds: `build` gathers runs into the report's data, `pages` says what it shows,
-`figures` draws,
-`pictures` renders beds (also for `make view`), `templates` holds the HTML.
+`figures` draws, `pictures` renders beds (also for `make view`), `templates` holds the HTML.
 
 The end of the flow: nothing imports it, and of the verification it reads the files alone. Imports from this package:
-`comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`, `analysis.arguments`
+`formats`, `comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`, `analysis.arguments`
 and `analysis.files`."""

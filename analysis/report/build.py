@@ -18,6 +18,7 @@ from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import calibrate, record
 from analysis.files import ROOT, write_aside
+from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import style
@@ -30,7 +31,6 @@ from analysis.report.pages.paper_figures import paper_figures
 from analysis.report.pages.runs import runs_page
 from analysis.report.pages.verification import verification
 from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
-from analysis.report.tables import plural
 from analysis.scenarios.scenario import ScenarioError
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
@@ -157,8 +157,7 @@ def version_stamp() -> str:
     """Version of the analysis and commit of the working tree, as it stands under every figure."""
     git = record.git()
     commit = (
-        f", commit {record.short_commit(git['git_commit'])}"
-        f"{' with uncommitted changes' if git['git_dirty'] else ''}"
+        f", commit {record.short_commit(git['git_commit'])}{' with uncommitted changes' if git['git_dirty'] else ''}"
         if git["git_commit"]
         else ""
     )

@@ -6,7 +6,6 @@ from analysis.scenarios.scenario import label_of, split_id
 
 MM, KPA = 1e3, 1e-3
 
-SPHERE_NAMES = ("rail seat", "middle", "shoulder")
 
 MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import against_published, quantities, settlement_fits
-from analysis.normalised.tables import PLATES, SPHERES
+from analysis.formats.file_columns import PLATES, SPHERES
 from analysis.scenarios import derived
 
 

@@ -16,7 +16,7 @@ from scipy import stats
 
 from analysis.comparison import quantities, same_bed
 from analysis.comparison.findings.members import Member, groups
-from analysis.normalised.tables import CODES
+from analysis.formats.quantities import CODES
 
 CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """After which runs are compared, where they reach them."""

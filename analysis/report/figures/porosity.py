@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import pandas as pd
 from matplotlib.patches import Circle, Rectangle
 
-from analysis.normalised import tables
+from analysis.formats import file_columns
+from analysis.formats.quantities import SPHERE_NAMES
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import (
@@ -22,7 +23,7 @@ from analysis.report.curves import (
     up_to,
 )
 from analysis.report.figure import Figure, Gallery
-from analysis.report.labels import MM, SPHERE_NAMES, short_name
+from analysis.report.labels import MM, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
@@ -58,7 +59,7 @@ def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
         cycle_axis(c, last_cycle_of(members), False)
         c.axes.set_title(short_name(scenario))
         pending_mark(c, pending, rows)
-        columns = ["cycle", *(f"porosity_{k}" for k in tables.SPHERES), "porosity_error"]
+        columns = ["cycle", *(f"porosity_{k}" for k in file_columns.SPHERES), "porosity_error"]
         points = [
             reference_csv(part, **{"cycle": "cycle", f"porosity_{sphere:.0f}": "value", "porosity_error": "error"})
             for sphere, part in rows.groupby("sphere")

@@ -11,7 +11,8 @@ from analysis.comparison import codes, quantities
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.same_bed import changed_keys, ranks
 from analysis.driver import calibrate
-from analysis.normalised import tables
+from analysis.formats import file_columns
+from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run
 from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
@@ -19,7 +20,7 @@ from analysis.report.figures.settlement import settlement_figure
 from analysis.report.labels import KPA, MM, short_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios, name_of
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import Column, Table, number, plural, shown
+from analysis.report.tables import Column, Table, number, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, join_id, load_scenario
 from analysis.scenarios.schema import STATUSES
@@ -184,9 +185,9 @@ def plate_table(runs: Sequence[Run], cycle: int) -> Table:
     )
     for run in runs:
         row = run.cycles.set_index("cycle").loc[cycle]
-        moved = row[[f"lateral_{k}_m" for k in tables.PLATES]]
+        moved = row[[f"lateral_{k}_m" for k in file_columns.PLATES]]
         history = run.history[(run.history["cycle"] > 0) & (run.history["cycle"] <= cycle)]
-        stress = history[[f"plate_{k}_stress_Pa" for k in tables.PLATES]].to_numpy(dtype=float)
+        stress = history[[f"plate_{k}_stress_Pa" for k in file_columns.PLATES]].to_numpy(dtype=float)
         known = np.isfinite(stress).any()
         rates = quantities.settling_rates(run)
         rates = rates[rates["last_cycle"] <= cycle]

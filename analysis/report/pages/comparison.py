@@ -9,6 +9,8 @@ import pandas as pd
 
 from analysis.comparison import codes, quantities, same_bed
 from analysis.comparison.quantities import last_cycle
+from analysis.formats.numbers import plural
+from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
 from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
@@ -22,7 +24,7 @@ from analysis.report.report_data import (
     overview_runs,
 )
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import GRAVITY, Chip, Column, Table, number, plural, quantity_name, shown
+from analysis.report.tables import Chip, Column, Table, number, quantity_name, shown
 
 AGREEMENT_BRIEF = ("settlement_m", "lateral_mean_m", "resilient_stroke_m", "porosity_2", "coordination_number")
 AGREEMENT_SHOWN = (

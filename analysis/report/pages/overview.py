@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from analysis.comparison import against_published, quantities, same_bed
 from analysis.comparison.claims import evidence
 from analysis.comparison.quantities import last_cycle
-from analysis.normalised import tables
+from analysis.formats import file_columns
+from analysis.formats.numbers import plural
+from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
 from analysis.normalised.readers import Run
 from analysis.report.figure import family_of
 from analysis.report.figures.beds import bed_figure
@@ -30,7 +32,7 @@ from analysis.report.report_data import (
     tracking_percent,
 )
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import GRAVITY, number, plural
+from analysis.report.tables import number
 from analysis.scenarios import derived
 
 LEAST_TREND_CYCLES = 10
@@ -271,7 +273,7 @@ def packed_beds(runs: Sequence[Run]) -> list[str]:
     starts = [
         run.microstructure[run.microstructure["cycle"] == 0] for run in runs if family_of(run.scenario) == "linear"
     ]
-    porosity = [row[[f"porosity_{k}" for k in tables.SPHERES]].iloc[0].mean() for row in starts if len(row)]
+    porosity = [row[[f"porosity_{k}" for k in file_columns.SPHERES]].iloc[0].mean() for row in starts if len(row)]
     clumps = [run.cycles["clumps"].iloc[0] for run in runs if family_of(run.scenario) == "linear"]
     if not porosity:
         return []

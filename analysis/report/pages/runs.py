@@ -11,13 +11,14 @@ import pandas as pd
 
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import record
-from analysis.normalised import tables
+from analysis.formats import file_columns
+from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run
 from analysis.report.figure import run_id
 from analysis.report.figures.load import TRACKING_AIM, tracking_figure
 from analysis.report.labels import KPA, MM
 from analysis.report.report_data import ReportData, name_of, speed, state_of, timing, tracking_percent
-from analysis.report.tables import Chip, Column, Table, number, plural
+from analysis.report.tables import Chip, Column, Table, number
 
 STATE_KIND = {"finished": "good", "running": "calm", "interrupted": "open", "failed": "bad"}
 
@@ -44,7 +45,7 @@ def runs_table(runs: Sequence[Run]) -> Table:
         state, _ = state_of(run)
         goal = run.scenario["loading.cycles"] if run.scenario else None
         last = run.cycles.iloc[-1] if len(run.cycles) else None
-        lateral = last[[f"lateral_{k}_m" for k in tables.PLATES]] if last is not None else None
+        lateral = last[[f"lateral_{k}_m" for k in file_columns.PLATES]] if last is not None else None
         table.rows.append(
             [
                 name_of(run),
@@ -190,7 +191,7 @@ def run_entry(run: Run, state: str, reason: str) -> dict:
 
 def plate_sentence(run: Run) -> list[str]:
     """Mean stress on each plate over the run, where the history is there."""
-    columns = [f"plate_{k}_stress_Pa" for k in tables.PLATES]
+    columns = [f"plate_{k}_stress_Pa" for k in file_columns.PLATES]
     means = run.history[columns].mean() if len(run.history) else pd.Series(dtype=float)
     if not len(means) or not np.isfinite(means).any():
         return []

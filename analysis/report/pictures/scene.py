@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.normalised import beds, tables
+from analysis.formats import file_columns
+from analysis.normalised import beds
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -108,7 +109,7 @@ def _shifted(block: derived.Block, by) -> derived.Block:
 
 def _cycles(folder: Path) -> pd.DataFrame:
     """Displacements of sleeper and plates (m) by cycle; no rows where there are none."""
-    columns = ["cycle", "settlement_m", *(f"lateral_{k}_m" for k in tables.PLATES)]
+    columns = ["cycle", "settlement_m", *(f"lateral_{k}_m" for k in file_columns.PLATES)]
     try:
         return pd.read_csv(folder / "cycles.csv", usecols=columns)[columns].astype({"cycle": int}).set_index("cycle")
     except (OSError, ValueError):
@@ -118,8 +119,8 @@ def _cycles(folder: Path) -> pd.DataFrame:
 def _places(folder: Path, cycle: int | None) -> tuple[float, list[float]]:
     """How far the sleeper is down and each plate out since packing, m; what is not known counts as 0."""
     if cycle is None:
-        return 0.0, [0.0] * len(tables.PLATES)
-    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in tables.PLATES)]
+        return 0.0, [0.0] * len(file_columns.PLATES)
+    columns = ["sleeper_displacement_m", *(f"plate_{k}_displacement_m" for k in file_columns.PLATES)]
     moved = np.zeros(len(columns))
     # Committed runs have no raw files: their preload displacement is not drawn.
     with contextlib.suppress(OSError, ValueError, IndexError):

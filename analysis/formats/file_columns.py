@@ -1,0 +1,127 @@
+"""The columns of the common files, once. Both engines write them; a test holds their headers to these."""
+
+from __future__ import annotations
+
+from analysis.formats.quantities import CODES, PLATES, SPHERES, row_of
+
+__all__ = [
+    "BED",
+    "CODES",
+    "CONTACTS",
+    "CYCLES",
+    "HISTORY",
+    "MICROSTRUCTURE",
+    "PLATES",
+    "RAW_LOADING",
+    "RAW_STATE",
+    "SPHERES",
+]
+__all__ += ["header"]
+
+CYCLES = (
+    "cycle",
+    "time_s",
+    "settlement_m",
+    "settlement_peak_m",
+    *row_of("lateral_{}_m"),
+    *row_of("porosity_{}"),
+    "sleeper_stress_min_Pa",
+    "sleeper_stress_max_Pa",
+    "tracking_rms_Pa",
+    "clumps",
+)
+"""cycles.csv: a row per cycle."""
+
+HISTORY = (
+    "time_s",
+    "cycle",
+    "sleeper_target_Pa",
+    "sleeper_stress_Pa",
+    "settlement_m",
+    "plate_target_Pa",
+    *row_of("plate_{}_stress_Pa"),
+    *row_of("lateral_{}_m"),
+)
+"""history.csv: output.rows_per_cycle rows per cycle; `cycle` is fractional."""
+
+MICROSTRUCTURE = (
+    "cycle",
+    *row_of("porosity_{}"),
+    "porosity_error",
+    "coordination_number",
+    "neighbours_mean",
+    "overlap_mean_m",
+    "overlap_max_ratio",
+    "rotation_mean_rad",
+    "rotation_max_rad",
+    "bulge_volume_m3",
+    "shoulder_displacement_m",
+    "downward_mean_m",
+    "downward_under_sleeper_m",
+    "crib_heave_m",
+    "sliding_share",
+    "at_limit_share",
+    "kinetic_energy_J",
+    "unbalanced_ratio",
+    "normal_force_mean_N",
+    "contact_anisotropy",
+    "force_anisotropy",
+    "fabric_xx",
+    "fabric_yy",
+    "fabric_zz",
+    "force_chain_share",
+    "force_chain_load_share",
+)
+"""microstructure.csv: row 0 before loading, then a row per cycle. Columns from normal_force_mean_N on are empty in
+cycles whose contacts were not kept."""
+
+BED = ("id", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
+"""A bed: a row per clump, its centre and the unit quaternion that turns its frame, z along the clump, into space."""
+
+CONTACTS = (
+    "clump_1",
+    "clump_2",
+    "x_m",
+    "y_m",
+    "z_m",
+    "nx",
+    "ny",
+    "nz",
+    "overlap_m",
+    "normal_force_N",
+    "shear_force_N",
+    "sliding",
+)
+"""raw/contacts_*.csv: a row per contact of two spheres; a wall is clump 0 and always second."""
+
+RAW_LOADING = (
+    "step",
+    "time_s",
+    "sleeper_target_Pa",
+    "sleeper_stress_Pa",
+    "sleeper_stress_mean_Pa",
+    "sleeper_error_ms_Pa2",
+    "sleeper_displacement_m",
+    *(f"plate_{k}_{what}" for k in PLATES for what in ("stress_Pa", "stress_mean_Pa", "displacement_m")),
+)
+"""raw/preload.csv and raw/cyclic.csv: output.rows_per_cycle rows per cycle."""
+
+RAW_STATE = (
+    "stage",
+    "step",
+    "time_s",
+    "kinetic_energy_J",
+    "unbalanced_ratio",
+    "overlap_max_ratio",
+    "overlap_mean_m",
+    "contacts",
+    "clumps",
+    "at_limit_share",
+    "sliding_share",
+)
+"""raw/state.csv: a row per block of steps, of all stages."""
+
+
+def header(columns: tuple[str, ...]) -> str:
+    """The first line of a file, newline included."""
+    return ",".join(columns) + "\n"
