@@ -37,13 +37,7 @@ def test_a_quantitys_name_ends_in_its_unit():
             assert q.name.endswith(endings.get(q.unit, "")), q.name
             longest = max((e for e in endings.values() if q.name.endswith(e)), key=len, default="")
             assert q.unit == "m per cycle" or longest == endings.get(q.unit, ""), q.name
-        assert (
-            q.low < q.high
-            and q.label
-            and q.meaning
-            and q.shown_unit == q.heading.partition(", ")[2][-9:]
-            or ", " in q.label
-        )
+        assert q.low < q.high and q.label and q.meaning and q.heading.endswith(q.shown_unit), q.name
 
 
 def test_headings_and_factors_follow_from_the_unit():
@@ -111,7 +105,7 @@ def test_cut_keeps_what_is_wanted_and_drops_what_is_torn(growing):
     assert growing.path.read_text() == "step,time_s\n1,0.5\n3,1.5\n"
 
 
-@pytest.mark.parametrize("room", [0, 1, 7, 12])
+@pytest.mark.parametrize("room", [0, 1, 7, 9])
 def test_a_full_disk_leaves_whole_rows_only(growing, monkeypatch, room):
     """A disk that takes `room` bytes of a row and then no more: `write` is short first, and raises after."""
     growing.append([(1, 0.5)])
@@ -316,7 +310,7 @@ def test_numbers_for_files_and_for_people():
     assert numbers.short(1 / 3) == "0.333333333"
     assert [numbers.readable(v) for v in (1.23456, -1e-7, 12345, None, float("inf"))] == [
         "1.23",
-        "−1·10⁻⁰⁷",
+        "−1·10⁻⁷",
         "12345",
         "–",
         "–",
