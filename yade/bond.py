@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 
 import numpy as np
-from files import write_aside
 from yade import utils
 from yade.wrapper import (
     CohFrictMat,
@@ -24,6 +23,8 @@ from yade.wrapper import (
 
 import __main__
 from analysis import laws_bond
+from analysis.files import write_aside
+from analysis.formats.file_columns import BONDS, header
 from analysis.scenarios import derived
 
 O = Omega()
@@ -32,7 +33,6 @@ NO_STIFFNESS = 1e-20
 """Young's modulus of the shell, Pa: bonds get their stiffness by hand, and what YADE makes of a broken one has none."""
 CHECK_STEPS = 50
 """Steps between looks for bonds that break by force and moment together."""
-HEADER = "clump_1,clump_2,x_m,y_m,z_m,broken,step,mode,tensile_stress_Pa,shear_stress_Pa"
 
 
 def material(density: float) -> CohFrictMat:
@@ -157,7 +157,7 @@ class Bonds:
         """Write all bonds, those that hold first. Stresses at the end, 0 once broken."""
         self.check()
         number = dict(zip(bed.body_ids(), bed.numbers, strict=True))
-        lines = [HEADER]
+        lines = []
         for interaction, (first, second), law in self._alive:
             bodies = O.bodies[first], O.bodies[second]
             place = (bodies[0].state.pos + bodies[1].state.pos) / 2
@@ -166,7 +166,7 @@ class Bonds:
             lines.append(f"{number[bodies[0].clumpId]},{number[bodies[1].clumpId]},{spot},0,-1,,{values}")
         for one, two, x, y, z, step, mode in self.broken:
             lines.append(f"{number.get(one, 0)},{number.get(two, 0)},{x!r},{y!r},{z!r},1,{step},{mode},0,0")
-        write_aside(path, "\n".join(lines) + "\n")
+        write_aside(path, header(BONDS) + "".join(line + "\n" for line in lines))
 
 
 def stress_of(interaction, law: laws_bond.Bond) -> tuple[float, float]:

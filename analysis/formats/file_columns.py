@@ -6,6 +6,7 @@ from analysis.formats.quantities import CODES, PLATES, SPHERES, row_of
 
 __all__ = [
     "BED",
+    "BONDS",
     "CODES",
     "CONTACTS",
     "CYCLES",
@@ -93,6 +94,9 @@ CONTACTS = (
     "sliding",
 )
 """raw/contacts_*.csv: a row per contact of two spheres; a wall is clump 0 and always second."""
+
+BONDS = ("clump_1", "clump_2", "x_m", "y_m", "z_m", "broken", "step", "mode", "tensile_stress_Pa", "shear_stress_Pa")
+"""raw/bonds_*.csv: a row per bond, those that hold first; `mode` is empty while a bond holds."""
 
 RAW_LOADING = (
     "step",
