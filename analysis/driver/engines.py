@@ -108,7 +108,7 @@ def _number(value) -> str:
 
 
 def _walls(scenario: Scenario) -> dict[str, list[float]]:
-    """Blocks of the apparatus as XLO XHI YLO YHI ZLO ZHI; lids close the box beside the sleeper while the bed is packed."""
+    """Blocks of the apparatus, XLO XHI YLO YHI ZLO ZHI; lids close the box beside the sleeper during packing."""
     box = derived.apparatus(scenario)
     (_, left, _), (_, right, _) = box.sleeper.low, box.sleeper.high
     top, lid_top = box.height_m, box.height_m + scenario["geometry.plate_thickness"]
