@@ -1,5 +1,7 @@
 """Variants over scenarios, the stages that read a key, and the hash that tells runs apart."""
 
+import re
+
 import pytest
 
 from analysis.driver.engines import liggghts_parameters
@@ -116,6 +118,15 @@ def test_a_variant_of_ones_own_is_added_by_a_few_lines(tmp_path):
     bad.write_text(path.read_text().replace("clump.density = { value = 3000.0", "clump.density = { value = -1.0"))
     with pytest.raises(ScenarioError, match=r"variant\.heavy\.clump\.density\.value = -1.0 is refused"):
         load_scenario(NONLINEAR, path=bad, variant="heavy")
+
+
+def test_the_variant_in_the_contributing_guide_works(tmp_path):
+    guide = SCENARIO_FILE.with_name("CONTRIBUTING.md").read_text().split("## Add a variant")[1]
+    path = tmp_path / "guide.toml"
+    path.write_text(SCENARIO_FILE.read_text() + "\n" + re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1])
+    (added,) = set(variant_names(path)) - set(variant_names())
+    varied = load_scenario(LINEAR, "demo", path=path, variant=f"{added},servo")
+    assert load_scenario(LINEAR, "demo", variant="servo").changes(varied) and "light clumps" in varied.label
 
 
 # ------------------------------------------------------------------ the time step

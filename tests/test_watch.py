@@ -88,6 +88,13 @@ def test_a_cycle_without_its_load_stops_the_run_at_its_end():
         cycle(watch, 1, 200e3)
 
 
+def test_a_load_that_pfcs_servo_does_not_reach_is_a_result_and_stops_nothing():
+    watch = Watch(load_scenario("linear-mu0.8", "demo", variant="servo"), "cyclic")
+    watch.load(load(0))
+    for number in range(3):
+        cycle(watch, number, 200e3)
+
+
 def test_the_rest_of_a_cycle_that_was_resumed_in_its_middle_is_not_judged():
     half = GRID.steps_per_cycle // 2
     watch = Watch(SCENARIO, "cyclic", last_step=half)

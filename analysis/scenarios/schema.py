@@ -147,7 +147,6 @@ KEYS: dict[str, Key] = {
             "rest.local_damping": _from_zero("-", 0.95),
             "rest.unbalanced_ratio": _positive("-", 1),
             "rest.kinetic_energy": _positive("J"),
-            "rest.time_limit": _positive("s", 100),
         },
     ),
     **_read_by(
@@ -159,7 +158,6 @@ KEYS: dict[str, Key] = {
             "preload.ramp_time": _positive("s", 10),
             "preload.stress_tolerance": _positive("-", 0.5),
             "preload.averaging_time": _positive("s", 1),
-            "preload.time_limit": _positive("s", 100),
         },
     ),
     **_read_by(
@@ -252,6 +250,8 @@ KEYS: dict[str, Key] = {
         "limit",
         "limit",
         {
+            "rest.time_limit": _positive("s", 100),
+            "preload.time_limit": _positive("s", 100),
             "limits.overlap_ratio": _positive("-", 1),
             "limits.kinetic_energy": _positive("J"),
         },

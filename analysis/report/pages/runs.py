@@ -11,6 +11,7 @@ import pandas as pd
 
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import record
+from analysis.driver.status import load_not_reached
 from analysis.formats import file_columns
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run
@@ -147,6 +148,12 @@ def run_entry(run: Run, state: str, reason: str) -> dict:
     ]
     if reason:
         text.append(f"Reason: {reason}.")
+    if run.scenario is not None:
+        step = f"Time step {number(run.scenario['time.step'], 3, 1e6)} µs"
+        choice = run.scenario.parameters.get("time.choice")
+        text.append(step + (f", the {choice.value} one." if choice else "."))
+        if missed := load_not_reached(run.folder, run.scenario):
+            text.append(f"{missed[0].upper()}{missed[1:]}.")
     if run.last_error():
         text.append(f"Last error in its logs: {run.last_error()}.")
     text.append(
