@@ -53,6 +53,7 @@ def test_every_variant_can_be_laid_over_every_scenario(variant):
 def test_a_variant_changes_what_it_lists_and_nothing_else():
     plain, servo = load_scenario(NONLINEAR), load_scenario(NONLINEAR, variant="servo")
     assert plain.changes(servo) == [
+        "preload.law: loading -> force",
         "load_control.sleeper_law: force -> pfc",
         "load_control.plate_law: force -> pfc",
         "load_control.pfc_gain: 0.3 -> 0.8",
@@ -141,6 +142,17 @@ def test_the_choice_of_the_time_step_decides_the_step_and_never_the_gain_of_the_
     assert derived.pfc_time_step(plain) == derived.pfc_time_step(chosen) == paper
     half = load_scenario(name, variant="half-step,paper-step")
     assert half["time.step"] == paper / 2 and plain.changed_keys(half, "preload") == ["time.step"]
+
+
+def test_both_readings_are_preloaded_by_force_and_only_walls_that_the_servo_moves_change_their_law():
+    def laws(variant):
+        s = load_scenario(NONLINEAR, variant=variant)
+        return [tuple(derived.wall_laws(s, stage).values()) for stage in ("preload", "cyclic")]
+
+    assert laws("") == [("force", "force")] * 2
+    assert laws("servo") == [("force", "force"), ("pfc", "pfc")]
+    assert laws("servo,plates-fixed") == [("force", "fixed"), ("pfc", "fixed")]
+    assert laws("plates-pfc") == [("force", "pfc")] * 2
 
 
 @pytest.mark.parametrize("name", [LINEAR, NONLINEAR])

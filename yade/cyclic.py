@@ -34,7 +34,7 @@ def load(run: stage.Stage, checkpoint: Path) -> None:
     s = run.scenario
     run.step = int(O.tags["step"])
     run.bed = Bed(s, json.loads(O.tags["clumps"]))
-    run.control = LoadControl(s, run.box, run.raw("cyclic.csv"), json.loads(O.tags["load_control"]))
+    run.control = LoadControl(s, run.name, run.box, run.raw("cyclic.csv"), json.loads(O.tags["load_control"]))
     run.control.cycle()
     run.bonds = Bonds(s, O.tags["bonds"]) if "bonds" in O.tags.keys() else None  # noqa: SIM118 (tags are no dict)
 

@@ -32,10 +32,12 @@ def centre(block, axis: int) -> float:
 class Wall:
     """The sleeper (axis 2) or a plate (axis 0). Both are loaded towards smaller coordinates."""
 
-    def __init__(self, scenario, kind: str, body: int, axis: int, area_m2: float, start_m: float, outward: int):
+    def __init__(
+        self, scenario, stage: str, kind: str, body: int, axis: int, area_m2: float, start_m: float, outward: int
+    ):
         """`start_m` is the coordinate at displacement 0; `outward` the sign of a displacement along the load."""
         control = derived.load_control(scenario)
-        self.law = scenario[f"load_control.{kind}_law"]
+        self.law = derived.wall_laws(scenario, stage)[kind]
         self.body, self.axis, self.area, self.start, self.outward = body, axis, area_m2, start_m, outward
         self.mass, self.drag = control[f"{kind}_mass"], control[f"{kind}_drag"]
         self.state = O.bodies[body].state
@@ -54,14 +56,14 @@ class LoadControl:
     Step n is the state at which the contact forces of step n act; a row gives forces and positions of that same state.
     """
 
-    def __init__(self, scenario, box, path, memory: dict | None = None):
-        """`memory` is what `memory()` returned before the simulation was saved."""
+    def __init__(self, scenario, stage: str, box, path, memory: dict | None = None):
+        """`stage` is preload or cyclic; `memory` is what `memory()` returned before the simulation was saved."""
         ids, grid = Apparatus.of(box), derived.time_grid(scenario)
         self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
         self.gain_step = derived.pfc_time_step(scenario)
-        self.sleeper = Wall(scenario, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
+        self.sleeper = Wall(scenario, stage, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
         self.plates = [
-            Wall(scenario, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
+            Wall(scenario, stage, "plate", body, 0, box.plate_area_m2, centre(block, 0), -1)
             for body, block in zip(ids.plates, box.plates, strict=True)
         ]
         self.walls = [self.sleeper, *self.plates]

@@ -37,7 +37,7 @@ def preload(run: stage.Stage, _) -> None:
     run.bed.place(run.raw("bed_packed.csv"), law.shells)
     if law.bonded:
         run.bonds = Bonds(s)
-    run.control = LoadControl(s, run.box, run.raw("preload.csv"))
+    run.control = LoadControl(s, run.name, run.box, run.raw("preload.csv"))
     O.dt = run.grid.step_s
     O.engines = [
         ForceResetter(),

@@ -88,6 +88,7 @@ def liggghts_parameters(scenario: Scenario, seed: int) -> str:
         "steps_per_cycle": grid.steps_per_cycle,
         "steps_per_row": grid.steps_per_row,
         "steps_per_block": grid.steps_per_block,
+        **{f"preload_{kind}_law": law for kind, law in derived.wall_laws(scenario, "preload").items()},
         "cycles": scenario["loading.cycles"],
         "seed": seed,
     }

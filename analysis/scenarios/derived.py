@@ -128,6 +128,14 @@ def load_control(s) -> dict[str, float]:
     }
 
 
+def wall_laws(s, stage: str) -> dict[str, str]:
+    """The laws that move sleeper and plates in `stage`: force | pfc | fixed."""
+    laws = {kind: s[f"load_control.{kind}_law"] for kind in ("sleeper", "plate")}
+    if stage == "preload" and s["preload.law"] == "force":
+        laws = {kind: "force" if law == "pfc" else law for kind, law in laws.items()}
+    return laws
+
+
 def pfc_time_step(s) -> float:
     """The time step in the gain of PFC's servo, s: load_control.pfc_time_step, or where that is 0 the run's own."""
     return s["load_control.pfc_time_step"] or time_grid(s).step_s

@@ -153,6 +153,7 @@ KEYS: dict[str, Key] = {
         "preload",
         "loading",
         {
+            "preload.law": _neutral("loading", Key("-", str, choices=("loading", "force"))),
             "preload.sleeper_stress": _positive("Pa"),
             "preload.plate_stress": _positive("Pa"),
             "preload.ramp_time": _positive("s", 10),
