@@ -9,11 +9,13 @@ NP        ?= 1
 RESULTS   ?= results
 CYCLES    ?=
 BED       ?=
+REDO      ?=
 SCENARIOS ?=
 CASE      ?= tests/impact.toml
+TIMES     ?= 25
 
 # Values reach the shell through the environment, as they were typed: neither make nor the shell reads them as code.
-VARIABLES := SCENARIO VARIANT CODE PROFILE SEED NP RESULTS CYCLES BED SCENARIOS CASE
+VARIABLES := SCENARIO VARIANT CODE PROFILE SEED NP RESULTS CYCLES BED REDO SCENARIOS CASE TIMES
 $(foreach name,$(VARIABLES),$(eval override export $(name) := $$(value $(name))))
 quoted     = '$(subst ','\'',$1)'
 
@@ -22,13 +24,14 @@ ANALYSIS := .venv/bin/python -m analysis
 STAMP    := .venv/installed
 VARIED   := $${VARIANT:+--variant="$$VARIANT"}
 FILE     := $${SCENARIOS:+--scenarios="$$SCENARIOS"}
+AGAIN    := $${REDO:+--redo}
 WHICH    := $(VARIED) --code="$$CODE" --profile="$$PROFILE" --seed="$$SEED" --results="$$RESULTS"
 OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RESULTS" $${CYCLES:+--cycles="$$CYCLES"} \
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run study status compare report findings view keep verify impact mutations sanitize reference calibrate bench \
-        test clean distclean distclean-run FORCE
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings view keep verify impact mutations sanitize reference calibrate bench \
+        test torture clean distclean distclean-run FORCE
 
 help: ## this list
 	@awk 'BEGIN { FS = ":.*## " } /^##/ { printf "\n%s\n", substr($$0, 4) } \
@@ -48,13 +51,15 @@ demo-yade demo-liggghts: demo-%: setup
 	@$(ANALYSIS) run nonlinear-en1.0 --code=$* --progress=lines $(OPTIONS)
 
 run: setup ## one scenario: make run SCENARIO=linear-mu0.8 CODE=yade PROFILE=full CYCLES=20 SEED=2
-	@$(ANALYSIS) run $(VARIED) --code="$$CODE" $(OPTIONS) -- "$$SCENARIO"
+	@$(ANALYSIS) run $(VARIED) --code="$$CODE" $(OPTIONS) $(AGAIN) -- "$$SCENARIO"
+prepare: setup ## write a run's folder and print the commands of its stages, to be started by hand
+	@$(ANALYSIS) prepare $(VARIED) --code="$$CODE" $(OPTIONS) -- "$$SCENARIO"
 
 # For any scenario of scenarios.toml: make liggghts-linear-mu0.8, make yade-nonlinear-en1.0 ...
 yade-%: setup FORCE ## the same by name, for every scenario of scenarios.toml: make yade-nonlinear-en1.0 PROFILE=full
-	@$(ANALYSIS) run $(VARIED) --code=yade $(OPTIONS) -- $(call quoted,$*)
+	@$(ANALYSIS) run $(VARIED) --code=yade $(OPTIONS) $(AGAIN) -- $(call quoted,$*)
 liggghts-%: setup FORCE ## likewise: make liggghts-linear-mu0.8 CYCLES=20
-	@$(ANALYSIS) run $(VARIED) --code=liggghts $(OPTIONS) -- $(call quoted,$*)
+	@$(ANALYSIS) run $(VARIED) --code=liggghts $(OPTIONS) $(AGAIN) -- $(call quoted,$*)
 
 study: setup ## all runs of the study that are not done yet, two at a time: make -j2 study
 	@$(ANALYSIS) study --make --ranks="$$NP" --results="$$RESULTS" $(FILE) | $(MAKE) --no-print-directory --keep-going -f - study
@@ -78,6 +83,8 @@ reference: $(STAMP) ## the reference curves and their state
 ## Checks
 test: setup ## all tests, with both codes
 	@.venv/bin/python -m pytest
+torture: setup ## kill and stop runs of the demo bed TIMES times per code and law: they end with the same files (an hour)
+	@.venv/bin/python tests/torture.py --times="$$TIMES"
 verify: setup ## contact laws and clumps of both codes against closed forms
 	@$(ANALYSIS) verify
 impact: setup ## any impact of two bodies in both codes: make impact CASE=tests/impact.toml, or CASE=<scenario>

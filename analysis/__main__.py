@@ -1,4 +1,4 @@
-"""Command line: `python -m analysis COMMAND ...`; the Makefile calls nothing else."""
+"""Command line: `ballast COMMAND ...`, or `python -m analysis COMMAND ...`; the Makefile calls nothing else."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ import importlib
 import os
 import signal
 import sys
+from collections.abc import Callable
+
+from analysis.arguments import Parser
 
 COMMANDS = {  # name: module, purpose
     "run": ("driver.run", "simulate one scenario in one code, or go on with it"),
+    "prepare": ("driver.prepare", "write a run's folder and print the commands that its stages are started with"),
     "study": ("driver.study", "the list of the study's runs, or one of them"),
     "status": ("driver.status", "list all runs"),
     "keep": ("driver.keep", "put a run's normalised results into the repository"),
@@ -25,23 +29,32 @@ COMMANDS = {  # name: module, purpose
 }
 
 
-def main(argv: list[str]) -> int:
-    """Hand the arguments to the module of the command, imported only now so that each stays quick to start."""
-    if not argv or argv[0] not in COMMANDS:
-        unknown = argv and argv[0] not in ("-h", "--help")
-        print(
-            "usage: python -m analysis COMMAND ... (each has --help)\n\n"
-            + "\n".join(f"  {name:10} {purpose}" for name, (_, purpose) in COMMANDS.items()),
-            file=sys.stderr if unknown else sys.stdout,
-        )
-        return 2 if unknown else 0
-    module, _ = COMMANDS[argv[0]]
+def main(argv: list[str] | None = None) -> int:
+    """One parser with a sub-command for each module, of which only the chosen one is imported, to start quickly."""
+    argv = sys.argv[1:] if argv is None else argv
+    parser = Parser(prog="ballast", description="Ballast under cyclic load, in YADE and LIGGGHTS.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, title="commands")
+    chosen = next((word for word in argv if not word.startswith("-")), None)
+    for name, (path, purpose) in COMMANDS.items():
+        command = commands.add_parser(name, help=purpose, description=purpose[0].upper() + purpose[1:] + ".")
+        if name == chosen:
+            module = importlib.import_module(f"analysis.{path}")
+            if not hasattr(module, "add_arguments"):
+                return _ended(module.main, argv[argv.index(name) + 1 :])
+            module.add_arguments(command)
+    options = parser.parse_args(argv)
+    return _ended(module.execute, options)
+
+
+def _ended(work: Callable[[object], int | None], options: object) -> int:
     try:
-        return importlib.import_module(f"analysis.{module}").main(argv[1:]) or 0
+        code = work(options) or 0
+        sys.stdout.flush()
+        return code
     except BrokenPipeError:  # `| head` has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

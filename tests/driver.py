@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -11,7 +12,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from analysis.driver import checkpoints, record
+from analysis.driver import checkpoints
 
 ROOT = Path(__file__).resolve().parent.parent
 FAKE = (sys.executable, str(ROOT / "tests" / "fake_driver.py"))
@@ -84,10 +85,15 @@ def run_folder(results: Path, scenario: str, code: str, profile: str = "demo") -
 
 def results_of(folder: Path) -> dict[str, bytes]:
     """The normalised files, and run.json without what may differ between equal runs of the same code."""
-    free = ("timing", "resumes", "command", "git_commit", "git_dirty")
+    free = ("timing", "resumes", "parts", "command", "git_commit", "git_dirty")
     return {name: (folder / name).read_bytes() for name in NORMALISED} | {
-        key: value for key, value in record.read(folder).items() if key not in free
+        key: value for key, value in read_record(folder).items() if key not in free
     }
+
+
+def read_record(folder: Path) -> dict:
+    """Content of run.json."""
+    return json.loads((folder / "run.json").read_text())
 
 
 def steps(path: Path, stage: str = "cyclic") -> list[int]:

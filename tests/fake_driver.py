@@ -1,17 +1,40 @@
-"""The driver with the fake engine in place of the real ones; arguments as for `python -m analysis run`."""
+"""`ballast run` with the fake engine in place of the real ones."""
 
 import sys
 from pathlib import Path
 
+from analysis.arguments import Parser
 from analysis.driver import run
+from analysis.driver.engine import write_common_inputs
 
-FAKE = Path(__file__).resolve().parent / "fake_engine.py"
-
-
-def command(code, stage, folder, checkpoint=None, ranks=1):
-    """Command line of the fake engine."""
-    return [sys.executable, str(FAKE), stage, str(folder), *([str(checkpoint)] if checkpoint else [])]
+PROGRAM = Path(__file__).resolve().parent / "fake_engine.py"
 
 
-run.command, run.versions = command, lambda code: "fake 1"
-sys.exit(run.main(sys.argv[1:]))
+class FakeEngine:
+    """An engine that computes nothing worth the time, see fake_engine.py."""
+
+    checkpoint_suffix = "yade.gz"
+
+    def __init__(self, name):
+        self.name = name
+
+    def version(self):
+        return "fake 1"
+
+    def refuses(self, folder, ranks):
+        return None
+
+    def parallel(self, ranks):
+        return {"ranks": ranks, "threads": 1}
+
+    def write_inputs(self, scenario, folder, seed):
+        write_common_inputs(scenario, folder, seed)
+
+    def command(self, stage, folder, checkpoint=None, ranks=1):
+        return [sys.executable, str(PROGRAM), stage, *map(str, filter(None, (folder, checkpoint)))]
+
+
+if __name__ == "__main__":
+    parser = Parser()
+    run.add_arguments(parser)
+    sys.exit(run.execute(parser.parse_args(), {name: FakeEngine(name) for name in ("yade", "liggghts")}))

@@ -47,6 +47,7 @@ def append(name: str, columns, *values) -> None:
 
 def state_row(step: int, x: float) -> None:
     late = stage == "cyclic" and step > 2 * grid.steps_per_cycle
+    clumps = 1 if behave == "loss" and late else 2
     overlap = 0.3 if behave == "overlap" and late else 0.01 * x
     energy = "nan" if behave == "nan" and late else 1e-8 * x
     append(
@@ -60,7 +61,7 @@ def state_row(step: int, x: float) -> None:
         overlap,
         1e-6,
         4,
-        2,
+        clumps,
         "nan",
         0,
     )

@@ -7,6 +7,7 @@ import shutil
 import pytest
 from synthetic import write_run
 
+from analysis.__main__ import main as ballast
 from analysis.driver import calibrate
 from analysis.driver.supervise import StopRequest
 from analysis.files import write_csv
@@ -90,7 +91,9 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
     monkeypatch.setattr(calibrate, "load", tried)
     monkeypatch.setattr(calibrate, "versions", lambda code: {})
     out = tmp_path / "calibration.csv"
-    code = calibrate.main(["--profile", "demo", "--gaps", "--aspects", "1.8", "2", "--cycles", "3", "--out", str(out)])
+    code = ballast(
+        ["calibrate", "--profile", "demo", "--gaps", "--aspects", "1.8", "2", "--cycles", "3", "--out", str(out)]
+    )
     table = calibrate.read_table(out)
     assert code == 1 and table["state"].tolist() == ["finished", "finished", "failed", "failed"]
     assert table["scenario"].tolist() == ["linear-mu0.8", "nonlinear-en1.0"] * 2

@@ -6,7 +6,9 @@ import subprocess
 
 import pytest
 
-from analysis.driver import engines
+from analysis.driver.engine import write_bed
+from analysis.driver.engines import LIGGGHTS
+from analysis.driver.liggghts import parameter_deck
 from analysis.files import ROOT
 from analysis.scenarios import conversions, derived
 from analysis.scenarios.conversions import CONVERSIONS, PP, PW
@@ -65,10 +67,10 @@ def liggghts_values(tmp_path_factory):
     found = {}
     for name, scenario in SCENARIOS.items():
         folder = tmp_path_factory.mktemp(name)
-        (folder / "parameters.in").write_text(engines.liggghts_parameters(scenario, 1))
-        engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in PAIR])
+        (folder / "parameters.in").write_text(parameter_deck(scenario, 1))
+        write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in PAIR])
         out = subprocess.run(
-            [engines.HOST, "-in", "liggghts/verify_values.in", "-log", "none", "-var", "run", folder],
+            [LIGGGHTS.host, "-in", "liggghts/verify_values.in", "-log", "none", "-var", "run", folder],
             cwd=ROOT,
             capture_output=True,
             text=True,

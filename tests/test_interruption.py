@@ -20,8 +20,8 @@ from driver import (
     damage,
     drive,
     engines_of,
-    kill_until_done,
     latest,
+    read_record,
     results_of,
     run_folder,
     start,
@@ -30,8 +30,9 @@ from driver import (
     wait_until,
 )
 from small_bed import write_scenarios
+from torture import Tormentor
 
-from analysis.driver import record, status
+from analysis.driver import status
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -60,12 +61,14 @@ def test_a_repeated_run_gives_the_same_files(code, undisturbed, small_scenarios,
 
 
 @pytest.mark.parametrize("seed", [1])
-def test_killed_at_random_moments_it_gives_the_same_files(scenario, code, undisturbed, begin, tmp_path, seed):
-    expected = undisturbed(scenario, code)
+def test_killed_and_stopped_at_random_moments_it_gives_the_same_files(
+    scenario, code, undisturbed, begin, tmp_path, seed
+):
+    """A few disturbances on the small bed; `make torture` does many on the demo bed."""
     folder, arguments = begin(tmp_path, scenario, code)
-    kills = kill_until_done(REAL, arguments, folder, random.Random(seed))
-    assert results_of(folder) == results_of(expected), f"after {kills} kills"
-    assert kills > 0
+    tormentor = Tormentor(REAL, arguments, folder, undisturbed(scenario, code), random.Random(seed), longest_s=1.0)
+    tormentor.until_done(4)
+    assert tormentor.done.total() > 0
     assert_no_gap(folder, 3)
 
 
@@ -111,11 +114,11 @@ def test_ctrl_c_leaves_a_checkpoint_that_the_run_goes_on_from(code, begin, tmp_p
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=120)
     assert process.returncode == 130 and "to go on: make run SCENARIO=linear-mu0.8" in err
-    assert record.read(folder)["state"] == "interrupted" and not engines_of(folder)
+    assert read_record(folder)["state"] == "interrupted" and not engines_of(folder)
     stopped_at = latest(folder)
     assert 0 < stopped_at.step(grid_of(folder)) == steps(folder / "raw" / "cyclic.csv")[-1]
     assert drive(REAL, *arguments).returncode == 0
-    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
+    assert read_record(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
     assert_no_gap(folder, cycles)
 
 
@@ -137,7 +140,7 @@ def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, prelo
     folder = run_folder(tmp_path, "linear-mu0.8", code)
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
     assert re.search("diverged: (overlap of|kinetic energy|sleeper through the floor)", done.stderr)
-    assert record.read(folder)["state"] == "failed" and record.read(folder)["bed"] == "bed_packed.csv"
+    assert read_record(folder)["state"] == "failed" and read_record(folder)["bed"] == "bed_packed.csv"
     assert latest(folder).is_good() and not engines_of(folder)
 
 
@@ -153,7 +156,7 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     assert latest(folder).step(grid_of(folder)) > 0
     done = drive(REAL, *arguments, "--ranks", 2)
     assert done.returncode == 0, done.stderr
-    body = record.read(folder)
+    body = read_record(folder)
     assert body["ranks"] == 2 and any("differ in their last digits" in sentence for sentence in body["deviations"])
     assert_no_gap(folder, cycles)
     one, two = (
@@ -172,6 +175,32 @@ def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):
     process.kill()
     process.communicate()
     wait_until(lambda: not engines_of(folder), "ranks live on", seconds=10)
+
+
+def test_an_mpirun_of_another_mpi_is_noticed_at_once(begin, tmp_path):
+    """It starts as many copies as there should be ranks, each a run of its own in the same folder."""
+    folder, arguments = begin(tmp_path / "results", "linear-mu0.8", "liggghts")
+    other = tmp_path / "bin" / "mpirun"
+    other.parent.mkdir()
+    other.write_text('#!/bin/sh\nwhile [ "$1" != -np ]; do shift; done\nshift 2\n"$@" & "$@" & wait $!\n')
+    other.chmod(0o755)
+    before = (folder / "raw" / "state.csv").read_bytes()
+    environment = os.environ | {"PATH": f"{other.parent}:{os.environ['PATH']}"}
+    done = drive(REAL, *arguments, "--ranks", 2, env=environment)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "2 ranks were asked for, but this process is one of 1" in done.stderr
+    assert (folder / "raw" / "state.csv").read_bytes() == before and not engines_of(folder)
+
+
+@pytest.mark.parametrize("name", ["a b", "half#", "$HOME", "100%", "star*", "it's", "n\u00e4chste", "x" * 160])
+def test_results_in_any_folder_work_or_are_refused_before_anything_starts(begin, code, tmp_path, name):
+    folder, arguments = begin(tmp_path / name, "linear-mu0.8", code, cycles=1)
+    done = drive(REAL, *arguments)
+    works = code == "yade" or name.startswith("n")
+    assert done.returncode == (0 if works else 1) and len(done.stderr.splitlines()) == (0 if works else 1), done.stderr
+    if not works:
+        assert "LIGGGHTS cannot read a path" in done.stderr and "RESULTS=" in done.stderr
+        assert not (folder / "log" / "cyclic.log").exists()
 
 
 @contextlib.contextmanager

@@ -9,9 +9,9 @@ import sys
 import time
 
 import pytest
-from driver import FAKE, ROOT, copy_run, drive, run_folder, wait_until
+from driver import FAKE, ROOT, copy_run, drive, read_record, run_folder, wait_until
 
-from analysis.driver import keep, record
+from analysis.driver import keep
 from analysis.driver.locks import hold
 
 SHOW = f"{sys.executable} -c 'import sys; print(sys.argv[1:])'"
@@ -207,7 +207,7 @@ def command(name, run, *more):
 
 
 def change_state(folder, **changes):
-    (folder / "run.json").write_text(json.dumps(record.read(folder) | changes))
+    (folder / "run.json").write_text(json.dumps(read_record(folder) | changes))
 
 
 def test_keep_says_what_it_kept_and_leaves_nothing_of_an_older_keep(run):

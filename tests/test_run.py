@@ -3,7 +3,9 @@
 import json
 import random
 import re
+import shutil
 import signal
+import socket
 import subprocess
 
 import pytest
@@ -16,6 +18,7 @@ from driver import (
     engines_of,
     kill_until_done,
     latest,
+    read_record,
     results_of,
     run_folder,
     start,
@@ -25,7 +28,8 @@ from driver import (
 )
 from small_bed import set_value
 
-from analysis.driver import record
+from analysis.driver import checkpoints, provenance
+from analysis.driver.folder import cycles_done
 from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
@@ -65,7 +69,7 @@ def assert_no_gap(folder, cycles=CYCLES):
 
 
 def test_a_run_ends_with_all_rows_and_says_so(undisturbed):
-    body = record.read(undisturbed)
+    body = read_record(undisturbed)
     assert (body["state"], body["stage"], body["clumps"], body["resumes"]) == ("finished", "cyclic", 2, [])
     assert body["steps"]["cyclic"] == CYCLES * GRID.steps_per_cycle
     assert str(ROOT) not in json.dumps(body)
@@ -102,7 +106,7 @@ def test_the_engine_dies_with_a_killed_driver(tmp_path):
     process.communicate()
     wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=5)
     table = drive((FAKE[0], "-m", "analysis"), "status", "--results", tmp_path).stdout
-    assert record.read(folder)["state"] == "running" and "interrupted  killed; the same command goes on" in table
+    assert read_record(folder)["state"] == "running" and "interrupted  killed; the same command goes on" in table
 
 
 @pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
@@ -114,12 +118,12 @@ def test_a_stop_waits_for_the_checkpoint_and_goes_on_from_it(tmp_path, number, c
     _, err = process.communicate(timeout=20)
     assert process.returncode == code and "to go on: make run SCENARIO=linear-mu0.8 CODE=yade" in err
     assert (
-        record.read(folder)["state"] == "interrupted" and record.read(folder)["reason"] == f"stopped by {number.name}"
+        read_record(folder)["state"] == "interrupted" and read_record(folder)["reason"] == f"stopped by {number.name}"
     )
     stopped_at = latest(folder)
     assert stopped_at.step(GRID) == steps(folder / "raw" / "cyclic.csv")[-1]
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
-    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
+    assert read_record(folder)["resumes"] == [{"stage": "cyclic", "cycle": stopped_at.cycle, "block": stopped_at.block}]
     assert_no_gap(folder)
 
 
@@ -134,43 +138,176 @@ def test_a_second_interrupt_kills_an_engine_that_does_not_stop(tmp_path):
         process.communicate(timeout=1.5)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=10)
-    assert process.returncode == 130 and record.read(folder)["state"] == "interrupted" and not engines_of(folder)
+    assert process.returncode == 130 and read_record(folder)["state"] == "interrupted" and not engines_of(folder)
 
 
-def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(undisturbed, finished):
-    results, folder = finished
+def unfinish(folder, cycles):
+    """Make a copy of a finished run what it was after `cycles` cycles, when it was killed."""
+    rows = (folder / "cycles.csv").read_text().splitlines(keepends=True)
+    (folder / "cycles.csv").write_text("".join(rows[: cycles + 1]))
+    for checkpoint in checkpoints.listed(folder / "checkpoints"):
+        if checkpoint.cycle > cycles:
+            checkpoint.delete()
+    for later in range(cycles + 1, CYCLES + 1):
+        (folder / "raw" / f"bed_cycle_{later:06d}.csv").unlink(missing_ok=True)
+    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
+
+
+@pytest.fixture
+def two_cycles(tmp_path):
+    """A run of two cycles: (results, folder). Its checkpoints are those after cycles 0, 1 and 2."""
+    done = drive(FAKE, *LINEAR[:-1], 2, "--results", tmp_path)
+    assert done.returncode == 0, done.stderr
+    return tmp_path, run_folder(tmp_path, "linear-mu0.8", "yade")
+
+
+def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(undisturbed, two_cycles):
+    results, folder = two_cycles
+    unfinish(folder, 2)
     bad = latest(folder)
     damage(bad.path)
-    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()  # not finished after all
-    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
-    damage(latest(folder).path)
-    bad.delete()
-    before = latest(folder)
-    damage(before.path)
     done = drive(FAKE, *LINEAR, "--results", results)
-    assert done.returncode == 0 and f"checkpoints/{before.path.name} is damaged" in done.stdout
+    assert done.returncode == 0 and f"checkpoints/{bad.path.name} is damaged" in done.stdout
+    assert read_record(folder)["resumes"] == [{"stage": "cyclic", "cycle": 1, "block": 0}]
     assert results_of(folder) == results_of(undisturbed)
     assert_no_gap(folder)
 
 
-def test_with_every_checkpoint_damaged_preload_starts_over(undisturbed, finished):
-    results, folder = finished
-    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()
-    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
-    for path in (folder / "checkpoints").glob("*.yade.gz"):
-        damage(path)
-    done = drive(FAKE, *LINEAR, "--results", results)
-    assert done.returncode == 0 and done.stdout.count("is damaged") == 2 and "preload done" in done.stdout
+def test_a_checkpoint_without_its_checksum_does_not_count(undisturbed, two_cycles):
+    results, folder = two_cycles
+    unfinish(folder, 2)
+    latest(folder).sidecar.unlink()
+    assert drive(FAKE, *LINEAR, "--results", results).returncode == 0
+    assert read_record(folder)["resumes"] == [{"stage": "cyclic", "cycle": 1, "block": 0}]
     assert results_of(folder) == results_of(undisturbed)
 
 
-def test_a_checkpoint_without_its_checksum_does_not_count(finished):
+def test_a_preloaded_bed_without_a_cycle_is_preloaded_again_where_its_checkpoint_is_damaged(undisturbed, tmp_path):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    assert drive(FAKE, *LINEAR, "--results", tmp_path, "--until", "preload").returncode == 0
+    damage(latest(folder).path)
+    done = drive(FAKE, *LINEAR, "--results", tmp_path)
+    assert done.returncode == 0 and "is damaged" in done.stdout and "preload done" in done.stdout
+    assert results_of(folder) == results_of(undisturbed)
+
+
+# ---------------------------------------------------------------------- results that exist
+
+
+def everything(folder):
+    """All files of a run but the lock, whose content is who had it last."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name not in ("run.lock", "packing.lock"))
+    return {path: path.read_bytes() for path in files}
+
+
+def lose_checkpoints(folder):
+    shutil.rmtree(folder / "checkpoints")
+
+
+def lose_checksums(folder):
+    for path in folder.glob("checkpoints/*.json"):
+        path.unlink()
+
+
+def damage_last(folder):
+    damage(latest(folder).path)
+
+
+def damage_all(folder):
+    for checkpoint in checkpoints.listed(folder / "checkpoints"):
+        damage(checkpoint.path)
+
+
+def lose_raw(folder):
+    shutil.rmtree(folder / "raw")
+
+
+def lose_raw_rows(folder):
+    (folder / "raw" / "cyclic.csv").unlink()
+
+
+def lose_bed_and_checkpoints(folder):
+    (folder / "raw" / "bed_packed.csv").unlink()
+    shutil.rmtree(folder / "checkpoints")
+
+
+LOSSES = (
+    lose_checkpoints,
+    lose_checksums,
+    damage_last,
+    damage_all,
+    lose_raw,
+    lose_raw_rows,
+    lose_bed_and_checkpoints,
+)
+
+
+@pytest.mark.parametrize("lose", LOSSES)
+def test_more_cycles_of_a_finished_run_that_cannot_go_on_are_refused_and_nothing_is_lost(finished, lose):
     results, folder = finished
-    (folder / "raw" / f"bed_cycle_{CYCLES:06d}.csv").unlink()
-    (folder / "run.json").write_text((folder / "run.json").read_text().replace('"finished"', '"running"'))
-    (folder / "checkpoints" / "cyclic_000003.yade.gz.json").unlink()
+    lose(folder)
+    before = everything(folder)
+    done = drive(FAKE, *LINEAR[:-1], CYCLES + 2, "--results", results)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert "REDO=yes" in done.stderr and everything(folder) == before
+    assert "finished already" in drive(FAKE, *LINEAR, "--results", results).stdout  # what it has, it still has
+
+
+def test_only_when_told_cycles_are_computed_again(undisturbed, finished):
+    results, folder = finished
+    damage_all(folder)
+    unfinish(folder, 4)
+    refused = drive(FAKE, *LINEAR, "--results", results)
+    assert refused.returncode == 1 and "would drop 4 of 4 cycles" in refused.stderr
+    done = drive(FAKE, *LINEAR, "--results", results, "--redo")
+    assert done.returncode == 0 and "preload done" in done.stdout
+    assert results_of(folder) == results_of(undisturbed)
+
+
+def test_a_finished_run_needs_only_its_normalised_files_and_no_right_to_write(finished):
+    results, folder = finished
+    for name in ("raw", "checkpoints", "log"):
+        shutil.rmtree(folder / name)
+    for name in ("run.lock", "packing.lock", "parameters.in"):
+        (folder / name).unlink(missing_ok=True)
+    for path in (*folder.iterdir(), folder):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    before = everything(folder)
+    done = drive(FAKE, *LINEAR, "--results", results)
+    assert done.returncode == 0 and f"finished already: {CYCLES} cycles" in done.stdout
+    assert everything(folder) == before and not (folder / "run.lock").exists()
+    folder.chmod(0o755)
+
+
+@pytest.mark.parametrize("tear", [1, 5, 40])
+def test_a_torn_last_row_is_no_cycle(undisturbed, finished, tear):
+    results, folder = finished
+    unfinish(folder, CYCLES)
+    rows = (folder / "cycles.csv").read_bytes()
+    (folder / "cycles.csv").write_bytes(rows[:-tear])
+    assert cycles_done(folder) == CYCLES - 1
     assert drive(FAKE, *LINEAR, "--results", results).returncode == 0
-    assert record.read(folder)["resumes"] == [{"stage": "cyclic", "cycle": 0, "block": 0}]
+    assert results_of(folder) == results_of(undisturbed)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda text: "\ufeff" + text,
+        lambda text: text.replace(",", ";"),
+        lambda text: text.replace("\n2,", "\nrubbish\n2,"),
+        lambda text: text.replace("\n2,", "\n3,"),
+        lambda text: text.replace("\n2,", "\n,"),
+    ],
+)
+def test_a_damaged_table_of_cycles_is_refused_and_left_as_it_is(finished, spoil):
+    results, folder = finished
+    unfinish(folder, CYCLES)
+    (folder / "cycles.csv").write_text(spoil((folder / "cycles.csv").read_text()))
+    before = everything(folder)
+    done = drive(FAKE, *LINEAR[:-1], CYCLES + 1, "--results", results)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "cycles.csv: line" in done.stderr
+    assert everything(folder) == before
 
 
 def test_more_cycles_extend_a_finished_run(finished, tmp_path):
@@ -282,7 +419,7 @@ def test_two_runs_that_need_one_bed_pack_it_once(tmp_path):
         for name in ("linear-mu0.8", "nonlinear-en1.0", "nonlinear-md1-en0.6")
     }
     assert len(beds) == 1
-    body = record.read(run_folder(tmp_path, "nonlinear-en1.0", "yade"))
+    body = read_record(run_folder(tmp_path, "nonlinear-en1.0", "yade"))
     assert body["bed"] == "../../linear-mu0.8/yade/raw/bed_packed.csv"
 
 
@@ -290,7 +427,10 @@ def test_a_run_in_progress_is_refused_to_others(tmp_path):
     first = start(FAKE, *LINEAR, "--results", tmp_path)
     wait_for(run_folder(tmp_path, "linear-mu0.8", "yade") / "raw" / "preload.csv", first)
     second = drive(FAKE, *LINEAR, "--results", tmp_path)
-    assert second.returncode == 1 and f"in progress already, process {first.pid} on {record.host()}" in second.stderr
+    assert (
+        second.returncode == 1
+        and f"in progress already, process {first.pid} on {socket.gethostname()}" in second.stderr
+    )
     first.communicate(timeout=30)
     assert first.returncode == 0
 
@@ -312,7 +452,7 @@ def test_a_failure_has_a_reason_an_exit_code_and_keeps_what_is_good(tmp_path, be
     (folder / "behave").write_text(behaviour)
     done = drive(FAKE, *LINEAR, "--results", tmp_path)
     assert done.returncode == 1 and reason in done.stderr and len(done.stderr.splitlines()) == 1
-    body = record.read(folder)
+    body = read_record(folder)
     assert body["state"] == "failed" and reason in body["reason"] and not engines_of(folder)
     if behaviour in ("overlap", "nan"):
         assert latest(folder).cycle == 2 and latest(folder).is_good()
@@ -334,7 +474,7 @@ def test_a_run_whose_reader_goes_away_goes_on_in_silence(tmp_path):
     process.stdout.close()  # as `make run | head` does
     _, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (0, "")
-    assert record.read(run_folder(tmp_path, "linear-mu0.8", "yade"))["state"] == "finished"
+    assert read_record(run_folder(tmp_path, "linear-mu0.8", "yade"))["state"] == "finished"
 
 
 def test_where_a_file_system_has_no_locks_a_run_is_still_refused_to_others(tmp_path):
@@ -342,7 +482,10 @@ def test_where_a_file_system_has_no_locks_a_run_is_still_refused_to_others(tmp_p
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     wait_for(folder / "raw" / "preload.csv", first)
     second = drive(NO_LOCKS, *LINEAR, "--results", tmp_path)
-    assert second.returncode == 1 and f"in progress already, process {first.pid} on {record.host()}" in second.stderr
+    assert (
+        second.returncode == 1
+        and f"in progress already, process {first.pid} on {socket.gethostname()}" in second.stderr
+    )
     assert first.communicate(timeout=60) and first.returncode == 0
     assert_no_gap(folder)
     assert "finished already" in drive(NO_LOCKS, *LINEAR, "--results", tmp_path).stdout
@@ -355,16 +498,52 @@ def git(folder, *words):
 def test_a_copy_inside_another_repository_does_not_take_its_commit(tmp_path, monkeypatch):
     git(tmp_path, "init", "-q")
     git(tmp_path, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "other")
-    monkeypatch.setattr(record, "ROOT", tmp_path)
-    assert record.git() == {"git_commit": git(tmp_path, "rev-parse", "HEAD"), "git_dirty": False}
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+    assert provenance.git_state() == {"git_commit": git(tmp_path, "rev-parse", "HEAD"), "git_dirty": False}
     (tmp_path / "unpacked").mkdir()
     for root in (tmp_path / "unpacked", tmp_path / "nowhere"):
-        monkeypatch.setattr(record, "ROOT", root)
-        found = record.git()
+        monkeypatch.setattr(provenance, "ROOT", root)
+        found = provenance.git_state()
         assert found["git_commit"].startswith("unknown (release ") and found["git_dirty"] is None
-        assert record.short_commit(found["git_commit"]) == found["git_commit"]
+        assert provenance.short_commit(found["git_commit"]) == found["git_commit"]
     monkeypatch.setenv("GIT_DIR", str(tmp_path / ".git"))  # as a hook would set it
-    assert record.git()["git_commit"].startswith("unknown")
+    assert provenance.git_state()["git_commit"].startswith("unknown")
+
+
+def test_every_part_of_a_run_says_what_did_it_and_only_equal_parts_are_repeatable(tmp_path):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    arguments = (*LINEAR, "--results", tmp_path)
+    assert drive(FAKE, *arguments, "--until", "preload").returncode == 0
+    body = read_record(folder)
+    assert [part["stage"] for part in body["parts"]] == ["packing", "preload"] and body["repeatable"] is True
+    assert {(part["engine"], part["ranks"], part["host"]) for part in body["parts"]} == {
+        ("fake 1", 1, socket.gethostname())
+    }
+    done = drive(FAKE, *arguments, "--ranks", 2)
+    body = read_record(folder)
+    assert done.returncode == 0 and [part["ranks"] for part in body["parts"]] == [1, 1, 2]
+    assert body["repeatable"] is False and any("2 ranks or threads" in sentence for sentence in body["deviations"])
+    assert drive(FAKE, *LINEAR[:-1], CYCLES + 1, "--results", tmp_path).returncode == 0
+    body = read_record(folder)
+    assert [(part["cycle"], part["ranks"]) for part in body["parts"]] == [(0, 1), (0, 1), (0, 2), (CYCLES, 1)]
+    assert body["repeatable"] is False and any("2 ranks or threads" in sentence for sentence in body["deviations"])
+
+
+def test_parts_by_other_programs_are_not_repeatable():
+    part = {"engine": "fake 1", "git_commit": "a" * 40, "git_dirty": False, "ranks": 1, "threads": 1, "host": "here"}
+    assert provenance.is_repeatable([part, part | {"host": "there"}])
+    for change in ({"engine": "fake 2"}, {"git_commit": "b" * 40}, {"threads": 2}, {"ranks": 2}):
+        assert not provenance.is_repeatable([part, part | change])
+
+
+def test_a_clump_that_leaves_ends_the_run_in_one_line(tmp_path):
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    folder.mkdir(parents=True)
+    (folder / "behave").write_text("loss")
+    done = drive(FAKE, *LINEAR, "--results", tmp_path)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "1 of 2 clumps left the simulated space before step" in done.stderr
+    assert read_record(folder)["state"] == "failed" and cycles_done(folder) == 2
 
 
 def test_a_missing_engine_is_one_line(tmp_path):
@@ -377,6 +556,6 @@ def test_until_pauses_after_a_stage_and_goes_on(tmp_path, undisturbed):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     for stage, product in (("packing", "raw/bed_packed.csv"), ("preload", "checkpoints/cyclic_000000.yade.gz")):
         assert drive(FAKE, *LINEAR, "--results", tmp_path, "--until", stage).returncode == 0
-        assert (folder / product).exists() and record.read(folder)["state"] == "interrupted"
+        assert (folder / product).exists() and read_record(folder)["state"] == "interrupted"
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
     assert results_of(folder) == results_of(undisturbed)

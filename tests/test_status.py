@@ -4,7 +4,8 @@ import json
 
 from driver import run_folder
 
-from analysis.driver import record, status
+from analysis.__main__ import main as ballast
+from analysis.driver import provenance, status
 from analysis.driver.locks import hold
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
@@ -27,7 +28,7 @@ def make(results, code, state, seed=1, cycles=2, **more):
         "stage": "cyclic",
         "steps": {"cyclic": cycles * steps},
         "clumps": 380,
-        "timing": {"steps_per_second": {"cyclic": steps / 10}, "heartbeat": record.now()},
+        "timing": {"steps_per_second": {"cyclic": steps / 10}, "heartbeat": provenance.now()},
     } | more
     (folder / "run.json").write_text(json.dumps(body))
     (folder / "scenario.json").write_text(SCENARIO.to_json())
@@ -53,7 +54,7 @@ def test_a_run_that_nobody_runs_was_interrupted(tmp_path):
 def test_a_failure_shows_why(tmp_path, capsys):
     make(tmp_path, "liggghts", "failed", reason="diverged: overlap of 0.3 sphere radii")
     make(tmp_path, "yade", "finished", cycles=5)
-    assert status.main(["--results", str(tmp_path)]) == 0
+    assert ballast(["status", "--results", str(tmp_path)]) == 0
     head, first, second = capsys.readouterr().out.splitlines()
     assert head.split()[:4] == ["profile", "scenario", "code", "seed"]
     assert "liggghts" in first and first.endswith("failed    diverged: overlap of 0.3 sphere radii")
@@ -63,11 +64,11 @@ def test_a_failure_shows_why(tmp_path, capsys):
 def test_a_run_json_that_cannot_be_read_does_not_hide_the_others(tmp_path, capsys):
     make(tmp_path, "yade", "finished")
     (make(tmp_path, "liggghts", "finished") / "run.json").write_text("{")
-    assert status.main(["--results", str(tmp_path)]) == 0
+    assert ballast(["status", "--results", str(tmp_path)]) == 0
     out = capsys.readouterr().out
-    assert "yade" in out and "run.json cannot be read" in out
+    assert "yade" in out and "run.json: is damaged" in out
 
 
 def test_without_runs_it_says_how_to_make_some(tmp_path, capsys):
-    assert status.main(["--results", str(tmp_path)]) == 0
+    assert ballast(["status", "--results", str(tmp_path)]) == 0
     assert "make demo" in capsys.readouterr().out

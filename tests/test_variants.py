@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from analysis.driver.engines import liggghts_parameters
+from analysis.driver.liggghts import parameter_deck
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import (
     SCENARIO_FILE,
@@ -218,8 +218,10 @@ def test_a_key_that_is_newer_than_a_run_has_the_value_that_the_run_had():
 
 
 def test_liggghts_gets_every_new_parameter():
-    text = liggghts_parameters(load_scenario(NONLINEAR, variant="damped,limit-rule,smooth-walls,sphere-mass"), 1)
-    lines = dict(line.split(" index ") for line in text.splitlines() if line.startswith("variable "))
+    text = parameter_deck(load_scenario(NONLINEAR, variant="damped,limit-rule,smooth-walls,sphere-mass"), 1)
+    lines = dict(
+        line.partition("#")[0].strip().split(" index ") for line in text.splitlines() if line.startswith("variable ")
+    )
     assert lines["variable loading_local_damping"] == '"0.7"'
     assert lines["variable contact_dashpot_limit"] == lines["variable contact_dashpot_mass_share"] == '"0.5"'
     assert lines["variable contact_side_friction_share"] == '"0.0"'

@@ -27,7 +27,7 @@ class Bed:
 
     def __init__(self, scenario, numbers: list[int] | None = None):
         """An empty bed, or the bed of a simulation that was just loaded, whose clumps have these `numbers`."""
-        self.clump = derived.clump(scenario)
+        self.clump, self._space = derived.clump(scenario), derived.simulated_space(scenario)
         self._dashpot_mass = self.clump.mass_kg * scenario["contact.dashpot_mass_share"]
         self.numbers = list(numbers or [])
         self._find_bodies()
@@ -86,6 +86,11 @@ class Bed:
         """Sum of the contact forces of the last step on each clump, N, n x 3."""
         force = O.forces.f
         return np.array([sum((force(i) for i in members), Vector3.Zero) for members in self._members]).reshape(-1, 3)
+
+    def count(self) -> int:
+        """Number of clumps; those that left the simulated space are lost, as they are in LIGGGHTS."""
+        places = np.array([tuple(state.pos) for state in self._states]).reshape(-1, 3)
+        return int(((places >= self._space.low) & (places <= self._space.high)).all(axis=1).sum())
 
     def kinetic_energy(self) -> float:
         """Mean over the clumps, translation and rotation, J."""

@@ -101,7 +101,7 @@ class StateRow:
             overlap_max_ratio=float(overlap.max(initial=0.0)) / bed.clump.radius_m,
             overlap_mean_m=float(overlap.mean()) if len(overlap) else 0.0,
             contacts=len(overlap),
-            clumps=len(bed.numbers),
+            clumps=bed.count(),
             at_limit_share=0.0 if model == "linear" else float("nan"),
             sliding_share=float(contacts.sliding.mean()) if len(overlap) else 0.0,
         )

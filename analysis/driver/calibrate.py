@@ -19,16 +19,18 @@ import pandas as pd
 
 from analysis import files
 from analysis.arguments import Parser
-from analysis.driver import record
-from analysis.driver.engines import CODES, versions
+from analysis.driver import options
+from analysis.driver.engines import CODES, ENGINES
+from analysis.driver.record import stored_record
 from analysis.driver.run import Run
+from analysis.driver.settings import RESULTS, RunSettings, relative
 from analysis.driver.supervise import Interrupted, RunError, StopRequest
 from analysis.normalised import stages
 from analysis.normalised.porosity import MeasurementSpheres
 from analysis.normalised.readers import CALIBRATION
 from analysis.normalised.readers import Run as Result
 from analysis.scenarios import lattice
-from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
+from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.study import key_scenarios
 
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35  # paper, Section 2 and Table 1
@@ -82,26 +84,22 @@ def choices(scenario: Scenario, gaps_m: Sequence[float], aspects: Sequence[float
     return sorted({*((aspect, g) for g in gaps_m), *((a, gap) for a in aspects)})
 
 
-def load(scenario: Scenario, options: argparse.Namespace, stop: StopRequest) -> Result:
-    """Run `scenario`, or what is missing of it, and read it back, also where it failed: its state says so.
+def load(settings: RunSettings, stop: StopRequest) -> Result:
+    """Do a run, or what is missing of it, and read it back, also where it failed: its state says so.
 
     A bed that failed before is not tried again: on one core it would fail again. What it was packed to is known all the
     same.
     """
-    folder = f"{CALIBRATION}/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
-    run = Run(scenario, argparse.Namespace(**vars(options) | {"results": options.results / folder}), stop)
-    before = record.read(run.folder) or {}
-    if before.get("state") == "failed":
-        print(
-            f"calibrate: failed before ({before.get('reason')}); to try it again, delete {run.folder}", file=sys.stderr
-        )
+    run, before = Run(settings, stop), stored_record(settings.folder)
+    if before and before.state == "failed":
+        print(f"calibrate: failed before ({before.reason}); to try it again, delete {run.folder}", file=sys.stderr)
     else:
         try:
             run.go()
         except RunError as error:
             print(error, file=sys.stderr)
     if run.bed_file.exists() and not (run.folder / stages.FILE).exists():
-        stages.write_stages(run.folder, scenario, {}, MeasurementSpheres(scenario))
+        stages.write_stages(run.folder, settings.scenario, {}, MeasurementSpheres(settings.scenario))
     return Result(run.folder)
 
 
@@ -152,9 +150,8 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
     return values
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Command line of `make calibrate`."""
-    parser = Parser(prog="python -m analysis calibrate", description=__doc__.split("\n\n")[0])
+def add_arguments(parser: Parser) -> None:
+    """Arguments of `ballast calibrate`."""
     parser.add_argument("--code", choices=CODES, default="liggghts")
     parser.add_argument(
         "--scenario",
@@ -164,38 +161,41 @@ def main(argv: list[str] | None = None) -> int:
         help="the first is run at each gap and aspect, the others at each aspect",
     )
     parser.add_argument("--profile", default="full")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=options.whole, default=1)
     parser.add_argument(
         "--gaps", type=float, nargs="*", help="m; default: one for each number of sites from 13.3 to 15 mm"
     )
     parser.add_argument("--aspects", type=float, nargs="*", default=ASPECTS)
-    parser.add_argument("--cycles", type=int, default=5)
-    parser.add_argument("--results", type=Path, default=files.ROOT / "results")
-    parser.add_argument("--out", type=Path, default=TABLE, help="written when all beds are done")
-    options = parser.parse_args(argv)
-    versions(options.code)
-    options.results = options.results.resolve()
-    options = argparse.Namespace(
-        **vars(options), ranks=1, bed=None, until=None, scenarios=SCENARIO_FILE, progress="lines"
-    )
+    parser.add_argument("--cycles", type=options.whole, default=5)
+    parser.add_argument("--results", type=options.path, default=RESULTS)
+    parser.add_argument("--out", type=options.path, default=TABLE, help="written when all beds are done")
 
+
+def execute(chosen: argparse.Namespace) -> int:
+    """`ballast calibrate`."""
+    ENGINES[chosen.code].version()
     stop, rows = StopRequest(), []
-    bases = [load_scenario(name, options.profile, cycles=options.cycles) for name in options.scenario]
-    gaps = distinct_gaps(bases[0], *GAPS_M) if options.gaps is None else options.gaps
-    for aspect, gap in choices(bases[0], gaps, options.aspects):
+    bases = [load_scenario(name, chosen.profile, cycles=chosen.cycles) for name in chosen.scenario]
+    gaps = distinct_gaps(bases[0], *GAPS_M) if chosen.gaps is None else chosen.gaps
+    for aspect, gap in choices(bases[0], gaps, chosen.aspects):
         for base in bases if gap == bases[0]["packing.lattice_gap"] else bases[:1]:
             scenario = base.replace("packing.lattice_gap", gap).replace("clump.aspect", aspect)
             try:
-                rows.append(row(scenario, load(scenario, options, stop)))
+                folder = f"aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
+                settings = RunSettings(
+                    scenario,
+                    chosen.code,
+                    seed=chosen.seed,
+                    results=chosen.results / CALIBRATION / folder,
+                    cycles=chosen.cycles,
+                    lines=True,
+                )
+                rows.append(row(scenario, load(settings, stop)))
             except Interrupted:
                 print("calibrate: stopped; the same command goes on", file=sys.stderr)
                 return 128 + stop.signal
             print(pd.DataFrame(rows[-1:]).to_string(index=False), flush=True)
     table = pd.DataFrame(rows, columns=COLUMNS)
-    files.write_csv(options.out, [list(table.columns), *table.map(shortened).to_numpy().tolist()])
-    print(f"written: {record.relative(options.out)}")
+    files.write_csv(chosen.out, [list(table.columns), *table.map(shortened).to_numpy().tolist()])
+    print(f"written: {relative(chosen.out)}")
     return 0 if (table["state"] == "finished").all() else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

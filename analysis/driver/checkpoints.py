@@ -83,14 +83,25 @@ def listed(folder: Path) -> list[Checkpoint]:
     return sorted(found)
 
 
-def last_good(folder: Path, before_cycle: int, warn: Callable[[str], None]) -> Checkpoint | None:
-    """The latest good checkpoint with fewer than `before_cycle` cycles; `warn` is told of damaged ones after it."""
+def last_good(
+    folder: Path,
+    before_cycle: int,
+    warn: Callable[[str], None],
+    has_output: Callable[[Checkpoint], bool] = lambda checkpoint: True,
+) -> Checkpoint | None:
+    """The latest good checkpoint with fewer than `before_cycle` cycles whose output up to it is there.
+
+    `warn` is told of those after it that are damaged or have lost their output.
+    """
     for checkpoint in reversed(listed(folder)):
         if checkpoint.cycle >= before_cycle or not checkpoint.is_certified():
             continue
-        if checkpoint.is_good():
+        if not checkpoint.is_good():
+            warn(f"checkpoints/{checkpoint.path.name} is damaged (its checksum differs): the one before it is used")
+        elif not has_output(checkpoint):
+            warn(f"checkpoints/{checkpoint.path.name} is of no use: the rows in raw/ end before it")
+        else:
             return checkpoint
-        warn(f"checkpoints/{checkpoint.path.name} is damaged (its checksum differs): the one before it is used")
     return None
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import sys
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.driver import record
-from analysis.driver.delete import add_identity, folder_of
-from analysis.driver.run import cycles_asked, cycles_done
+from analysis.driver import options
+from analysis.driver.folder import cycles_asked, cycles_done
+from analysis.driver.settings import relative
 from analysis.driver.status import state_of
 from analysis.files import ROOT, sync
+from analysis.formats.run_record import RunRecord
 
 KEPT = ROOT / "reference_data" / "runs"
 NEEDED = ("run.json", "scenario.json", "stages.json")
@@ -25,13 +27,14 @@ class KeepError(ValueError):
 def keep(folder: Path, target: Path, failed: bool = False) -> str:
     """Copy the normalised files of the run in `folder` to `target`, in place of what was kept there; say what they are.
 
-    Raises KeepError for a run that is not there, is running, lacks files or (unless `failed`) has failed, and OSError
-    where a file cannot be copied; `target` is then as it was.
+    Raises KeepError for a run that is not there, is running, lacks files or (unless `failed`) has failed, InputError
+    where run.json is damaged, and OSError where a file cannot be copied; `target` is then as it was.
     """
-    body = record.read(folder)
-    if body is None:
-        raise KeepError(f"{folder}: no run.json that can be read; run the scenario first")
-    state, reason = state_of(folder, body)
+    try:
+        body = RunRecord.read(folder)
+    except FileNotFoundError:
+        raise KeepError(f"{folder}: there is no run.json; run the scenario first") from None
+    state, reason = state_of(folder, body.state, body.reason)
     if state == "running":
         raise KeepError(f"{folder}: is running; stop it, or wait for its end")
     if state == "failed" and not failed:
@@ -59,21 +62,23 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
     return f"{state}, {cycles_done(target)} of {cycles_asked(target)} cycles" + (f" ({reason})" if reason else "")
 
 
-def main(argv: list[str]) -> int:
-    """Command line of `make keep`."""
-    parser = Parser(prog="python -m analysis keep", description="Put a run's normalised results into the repository.")
-    add_identity(parser)
+def add_arguments(parser: Parser) -> None:
+    """Arguments of `ballast keep`."""
+    options.add_identity(parser)
     parser.add_argument("--failed", action="store_true", help="keep a run that failed, too")
-    parser.add_argument("--out", type=Path, default=KEPT, help="folder of all kept runs")
-    options = parser.parse_args(argv)
-    folder, target = (folder_of(options, base) for base in (options.results, options.out))
+    parser.add_argument("--out", type=options.path, default=KEPT, help="folder of all kept runs")
+
+
+def execute(chosen: argparse.Namespace) -> int:
+    """`ballast keep`."""
+    target = options.folder(chosen, chosen.out)
     try:
-        what = keep(folder, target, options.failed)
-    except KeepError as error:
+        what = keep(options.folder(chosen), target, chosen.failed)
+    except ValueError as error:  # KeepError and InputError
         print(f"keep: {error}", file=sys.stderr)
         return 1
     except OSError as error:
         print(f"keep: {error.filename}: {error.strerror}; nothing was kept, mend that and try again", file=sys.stderr)
         return 1
-    print(f"kept in {record.relative(target)}: {what}; git add and commit it")
+    print(f"kept in {relative(target)}: {what}; git add and commit it")
     return 0

@@ -10,7 +10,7 @@ import signal
 import subprocess
 from pathlib import Path
 
-from analysis.driver.engines import EngineError
+from analysis.driver.engine import EngineError
 from analysis.files import ROOT
 
 PR_SET_PDEATHSIG = 1
@@ -19,7 +19,7 @@ LOG_TAIL_BYTES = 20_000
 _libc = ctypes.CDLL(None)
 
 
-class Engine:
+class EngineProcess:
     """A running engine whose output goes to a log file."""
 
     def __init__(self, argv: list[str], log: Path, threads: int = 1):

@@ -1,84 +1,105 @@
-"""run.json: what a run is and how far it got. Everything that differs between two equal runs is under `timing`."""
+"""Keeps run.json (analysis.formats.run_record) up to date while a run goes on."""
 
 from __future__ import annotations
 
 import json
 import os
-import platform
 import socket
-import subprocess
-from datetime import UTC, datetime
-from importlib import metadata
 from pathlib import Path
 
-from analysis.files import ROOT, write_aside
+from analysis.driver.engine import Engine
+from analysis.driver.folder import STAGES
+from analysis.driver.provenance import git_state, is_repeatable, now, versions
+from analysis.driver.rawfiles import last_rows
+from analysis.driver.settings import RunSettings
+from analysis.formats.errors import InputError
+from analysis.formats.run_record import RunRecord, Timing
 
-FILE = "run.json"
+
+class Record:
+    """run.json of a run that goes on: begun from what earlier starts left, written again at every change."""
+
+    def __init__(self, settings: RunSettings, engine: Engine):
+        self.settings, self.folder, version = settings, settings.folder, engine.version()
+        old, scenario = stored_record(self.folder), settings.scenario
+        parallel, git = engine.parallel(settings.ranks), git_state()
+        self._part = {**parallel, "engine": version, **git, "host": socket.gethostname()}
+        timing = old.timing if old else None
+        steps = {stage: int(row["step"]) for stage, row in last_rows(self.folder / "raw" / "state.csv").items()}
+        self.body = RunRecord(
+            scenario=scenario.name,
+            variant="+".join(scenario.variants),
+            profile=scenario.profile,
+            code=settings.code,
+            scenario_hash=scenario.hash,
+            title=scenario.title,
+            versions=versions(version),
+            command=settings.command_line(),
+            seed=settings.seed,
+            bed=settings.bed_name,
+            **git,
+            **parallel,
+            state="running",
+            reason="",
+            stage=old.stage if old else "packing",
+            steps=steps,
+            clumps=old.clumps if old else None,
+            deviations=[],
+            resumes=old.resumes if old else [],
+            parts=_parts(old),
+            timing=Timing(
+                start=timing.start if timing else now(),
+                steps_per_second=timing.steps_per_second if timing else {},
+                wall_s=timing.wall_s if timing else {},
+                pid=os.getpid(),
+                host=socket.gethostname(),
+                heartbeat=now(),
+            ),
+        )
+        self.save()
+
+    def save(self, **changes) -> None:
+        """Write run.json with some entries changed; `end` belongs to its timing."""
+        self.body.timing.heartbeat = now()
+        if "end" in changes:
+            self.body.timing.end = changes.pop("end")
+        for name, value in changes.items():
+            setattr(self.body, name, value)
+        self.body.repeatable = is_repeatable(self.body.parts)
+        many = max((part["ranks"] * part["threads"] for part in self.body.parts), default=1)
+        self.body.deviations = deviations(self.folder / "raw")
+        if many > 1:
+            self.body.deviations.append(f"{many} ranks or threads: repeated runs differ in their last digits.")
+        self.body.write(self.folder)
+
+    def begin_part(self, stage: str, cycle: int = 0, block: int = 0) -> None:
+        """Note that this program goes on from here: what came after this place was dropped, and its parts with it."""
+        here = (STAGES.index(stage), cycle, block)
+        kept = [p for p in self.body.parts if (STAGES.index(p["stage"]), p["cycle"], p["block"]) < here]
+        self.body.parts = [*kept, {"stage": stage, "cycle": cycle, "block": block, **self._part}]
 
 
-def now() -> str:
-    """The time as ISO 8601, UTC, whole seconds."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
+def _parts(old: RunRecord | None) -> list[dict]:
+    """The parts of an earlier start; of a run that knows none, one that stands for all that was done."""
+    if old is None or old.parts or not old.steps:
+        return old.parts if old else []
+    git = {"git_commit": old.git_commit, "git_dirty": old.git_dirty}
+    where = {"stage": "packing", "cycle": 0, "block": 0, "ranks": old.ranks, "threads": old.threads}
+    return [where | {"engine": old.versions.get("engine", "unknown"), **git, "host": old.timing.host}]
 
 
-def read(run_dir: Path) -> dict | None:
-    """Content of run.json, or None where there is none that can be read."""
+def stored_record(folder: Path) -> RunRecord | None:
+    """run.json of a run, or None where there is none that can be read."""
     try:
-        return json.loads((run_dir / FILE).read_text())
-    except (OSError, ValueError):
+        return RunRecord.read(folder)
+    except (OSError, InputError):
         return None
 
 
-def write(run_dir: Path, body: dict) -> None:
-    """Replace run.json in one go."""
-    write_aside(run_dir / FILE, json.dumps(body, indent=1) + "\n")
-
-
-def host() -> str:
-    """Name of this machine."""
-    return socket.gethostname()
-
-
-def versions(engine: str) -> dict[str, str]:
-    """Versions of engine, analysis, Python and system."""
-    system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
-    return {
-        "engine": engine,
-        "analysis": metadata.version("ballast-analysis"),
-        "python": platform.python_version(),
-        "os": f"{system}, {platform.machine()}",
-    }
-
-
-def git() -> dict:
-    """Commit of the working tree, and whether tracked files differ from it (None where there is no commit).
-
-    A copy without its own repository, perhaps unpacked inside another one, is known by its release only.
-    """
-
-    def ask(*words: str) -> str | None:
-        # The folder may belong to somebody else, as under sudo; and a hook may have named another repository.
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-        command = ["git", "-c", f"safe.directory={ROOT}", "-C", str(ROOT), *words]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-        except OSError:
-            return None
-        return done.stdout.rstrip("\n") if done.returncode == 0 else None
-
-    top = ask("rev-parse", "--show-toplevel")
-    commit = ask("rev-parse", "HEAD") if top and Path(top).resolve() == ROOT else None
-    if not commit:
-        return {"git_commit": f"unknown (release {metadata.version('ballast-analysis')})", "git_dirty": None}
-    return {"git_commit": commit, "git_dirty": bool(ask("status", "--porcelain", "--untracked-files=no"))}
-
-
-def short_commit(commit: str) -> str:
-    """A commit as people quote it; `unknown (release ...)` as it is."""
-    return commit[:10] if len(commit) == 40 else commit
-
-
-def relative(path: Path) -> str:
-    """A path as run.json may hold it: relative to the repository, or outside of it the name alone."""
-    path = path.resolve()
-    return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name
+def deviations(raw: Path) -> list[str]:
+    """What the engine says it does differently from the paper's law, one sentence each."""
+    try:
+        said = json.loads((raw / "deviations.json").read_text())
+    except (OSError, ValueError):  # preload writes it anew
+        return []
+    return [str(sentence) for sentence in said] if isinstance(said, list) else []

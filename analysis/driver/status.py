@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.driver import record
+from analysis.driver import options
+from analysis.driver.folder import cycles_done, run_folder
 from analysis.driver.locks import is_held
 from analysis.driver.progress import duration
-from analysis.driver.run import cycles_done, run_folder
-from analysis.files import ROOT
+from analysis.driver.record import stored_record
+from analysis.driver.settings import RESULTS
+from analysis.formats import run_record
+from analysis.formats.errors import InputError
+from analysis.formats.errors import reason as reason_of
+from analysis.formats.run_record import RunRecord
 from analysis.scenarios import derived, study
 from analysis.scenarios.scenario import Scenario
 
@@ -33,55 +38,52 @@ COLUMNS = (
 RIGHT = {"done", "running", "failed", "cycles", "seed", "cycle", "steps/s", "time left", "tracking %", "clumps"}
 PEAK_REACHED = 0.95
 """Least peak of the sleeper's stress over its target that counts as reached."""
-STALE_S = 60.0  # without a lock to ask (some network file systems), a heartbeat older than this means nobody runs it
 
 
 def runs(results: Path) -> list[Path]:
     """Folders of all runs under `results`."""
-    return sorted(path.parent for path in results.glob(f"*/*/*/{record.FILE}"))
+    return sorted(path.parent for path in results.glob(f"*/*/*/{run_record.FILE}"))
 
 
-def state_of(folder: Path, body: dict) -> tuple[str, str]:
-    """State and reason; a run that says `running` but belongs to no living process was interrupted."""
-    if body["state"] != "running":
-        return body["state"], body["reason"]
-    try:
-        alive = any(is_held(folder / name) for name in ("run.lock", "packing.lock"))
-    except OSError:
-        beat = datetime.fromisoformat(body["timing"]["heartbeat"])
-        alive = (datetime.now(UTC) - beat).total_seconds() < STALE_S
+def state_of(folder: Path, state: str, reason: str = "") -> tuple[str, str]:
+    """State and reason of run.json; a run that says `running` but belongs to no living process was interrupted."""
+    if state != "running":
+        return state, reason
+    alive = any(is_held(folder / name) for name in ("run.lock", "packing.lock"))
     return ("running", "") if alive else ("interrupted", "killed; the same command goes on")
 
 
 def row(folder: Path) -> dict[str, str]:
-    """One line of the table, by column."""
-    body = record.read(folder)
-    if body is None:
-        return dict.fromkeys(COLUMNS, "") | {
-            "profile": folder.parts[-3],
-            "scenario": folder.parts[-2],
-            "code": folder.name,
-            "reason": "run.json cannot be read",
-        }
-    state, reason = state_of(folder, body)
+    """One line of the table, by column; of a run that cannot be read, what its folder says and the reason."""
+    try:
+        return _row(folder)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        names = dict(zip(COLUMNS, folder.parts[-3:], strict=False))
+        what = str(error) if isinstance(error, InputError) else f"cannot be read ({reason_of(error)})"
+        return dict.fromkeys(COLUMNS, "") | names | {"reason": what}
+
+
+def _row(folder: Path) -> dict[str, str]:
+    body = RunRecord.read(folder)
+    state, reason = state_of(folder, body.state, body.reason)
     scenario = Scenario.from_json((folder / "scenario.json").read_text())
     reason = "; ".join(filter(None, (reason, load_not_reached(folder, scenario))))
-    total, done, stage = scenario["loading.cycles"], cycles_done(folder), body["stage"]
-    speed = body["timing"]["steps_per_second"].get(stage)
+    total, done, stage = scenario["loading.cycles"], cycles_done(folder), body.stage
+    speed = body.timing.steps_per_second.get(stage)
     left = ""
     if state == "running" and stage == "cyclic" and speed:
-        left = duration((total * derived.time_grid(scenario).steps_per_cycle - body["steps"].get(stage, 0)) / speed)
+        left = duration((total * derived.time_grid(scenario).steps_per_cycle - body.steps.get(stage, 0)) / speed)
     return {
-        "profile": body["profile"],
+        "profile": body.profile,
         "scenario": scenario.id,
-        "code": body["code"],
-        "seed": str(body["seed"]),
+        "code": body.code,
+        "seed": str(body.seed),
         "stage": stage,
         "cycle": f"{done}/{total}",
         "steps/s": f"{speed:.0f}" if speed else "",
         "time left": left,
         "tracking %": _tracking(folder, scenario),
-        "clumps": str(body["clumps"] or ""),
+        "clumps": str(body.clumps or ""),
         "state": state,
         "reason": reason,
     }
@@ -133,8 +135,12 @@ def study_table(results: Path) -> str:
     for row in study.rows():
         folder = run_folder(results, study.profile(), row.scenario, row.code, row.seed)
         part = parts.setdefault(row.part, dict.fromkeys(("runs", "done", "failed", "running", "cycles", "asked"), 0))
-        done, body = min(cycles_done(folder), row.cycles), record.read(folder)
-        state = state_of(folder, body)[0] if body else ""
+        body = stored_record(folder)
+        state = state_of(folder, body.state)[0] if body else ""
+        try:
+            done = min(cycles_done(folder), row.cycles)
+        except InputError:  # the table above says what is wrong with it
+            done = 0
         part["runs"] += 1
         part["cycles"] += done
         part["asked"] += row.cycles
@@ -155,13 +161,15 @@ def study_table(results: Path) -> str:
     return table(lines, ("study", "done", "running", "failed", "cycles"))
 
 
-def main(argv: list[str]) -> int:
-    """Command line of `make status`."""
-    parser = Parser(prog="python -m analysis status", description="List all runs.")
-    parser.add_argument("--results", type=Path, default=ROOT / "results", help="folder of all results")
-    results = parser.parse_args(argv).results
-    rows = [row(folder) for folder in runs(results)]
-    print(table(rows) if rows else f"no runs in {results} yet; `make demo` makes the first ones")
+def add_arguments(parser: Parser) -> None:
+    """Arguments of `ballast status`."""
+    parser.add_argument("--results", type=options.path, default=RESULTS, help="folder of all results")
+
+
+def execute(chosen: argparse.Namespace) -> int:
+    """`ballast status`."""
+    rows = [row(folder) for folder in runs(chosen.results)]
+    print(table(rows) if rows else f"no runs in {chosen.results} yet; `make demo` makes the first ones")
     if any(row["profile"] == study.profile() for row in rows):
-        print("\n" + study_table(results))
+        print("\n" + study_table(chosen.results))
     return 0

@@ -9,16 +9,20 @@ A run that diverged is a result: it is not tried again.
 
 from __future__ import annotations
 
+import argparse
 import shlex
 import sys
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.driver import record, run
+from analysis.driver import options
+from analysis.driver.folder import cycles_done, run_folder
+from analysis.driver.record import stored_record
+from analysis.driver.run import run
+from analysis.driver.settings import RESULTS, RunSettings
 from analysis.driver.status import table
-from analysis.files import ROOT
 from analysis.scenarios import study
-from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError
+from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario
 
 COLUMNS = ("part", "scenario", "code", "seed", "cycles", "bed", "done")
 DIVERGED = "diverged: "
@@ -27,11 +31,11 @@ DIVERGED = "diverged: "
 
 def settled(folder: Path, cycles: int) -> str:
     """Why there is nothing left to do in the run's folder for a row of that many cycles; empty where there is."""
-    done, body = run.cycles_done(folder), record.read(folder) or {}
+    done, body = cycles_done(folder), stored_record(folder)
     if done >= cycles:
         return f"done: {done} cycles in {folder}"
-    if body.get("state") == "failed" and str(body.get("reason")).startswith(DIVERGED):
-        return f"ended after {done} of {cycles} cycles, which is a result: {body['reason']}; {folder}"
+    if body and body.state == "failed" and body.reason.startswith(DIVERGED):
+        return f"ended after {done} of {cycles} cycles, which is a result: {body.reason}; {folder}"
     return ""
 
 
@@ -40,7 +44,7 @@ def listing(rows: list[study.Row], folder_of) -> str:
     lines = []
     for row in rows:
         cells = {name: str(getattr(row, name)) for name in COLUMNS[:-1]}
-        lines.append(cells | {"done": str(min(row.cycles, run.cycles_done(folder_of(row))) or "")})
+        lines.append(cells | {"done": str(min(row.cycles, cycles_done(folder_of(row))) or "")})
     return table(lines, COLUMNS)
 
 
@@ -65,9 +69,8 @@ def makefile(rows: list[study.Row], command: str) -> str:
     )
 
 
-def main(argv: list[str]) -> int:
-    """Command line of `make study`; exit code of --row as that of `run`."""
-    parser = Parser(prog="python -m analysis study", description=__doc__.split("\n\n")[0])
+def add_arguments(parser: Parser) -> None:
+    """Arguments of `ballast study`."""
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--list", action="store_true", help="print the list (default)")
     what.add_argument("--make", action="store_true", help="print the list as rules for make")
@@ -75,36 +78,39 @@ def main(argv: list[str]) -> int:
     what.add_argument("--array", type=int, metavar="N", help="make the Nth run (from 0), for the arrays of a scheduler")
     what.add_argument("--count", action="store_true", help="how many runs --array knows")
     parser.add_argument("--profile", help="instead of the study's")
-    parser.add_argument("--ranks", default="1")
-    parser.add_argument("--results", type=lambda text: Path(text).resolve(), default=ROOT / "results")
-    parser.add_argument("--scenarios", type=lambda text: Path(text).resolve(), default=SCENARIO_FILE)
-    options = parser.parse_args(argv)
+    parser.add_argument("--ranks", type=options.whole, default=1)
+    parser.add_argument("--results", type=options.path, default=RESULTS, help="folder of all results")
+    parser.add_argument("--scenarios", type=options.path, default=SCENARIO_FILE, help="another scenario file")
+
+
+def execute(chosen: argparse.Namespace) -> int:
+    """`ballast study`; exit code of --row as that of `run`."""
     try:
-        rows = study.rows(options.scenarios)
-        profile = options.profile or study.profile(options.scenarios)
+        rows = study.rows(chosen.scenarios)
+        profile = chosen.profile or study.profile(chosen.scenarios)
     except ScenarioError as error:
         print(error, file=sys.stderr)
         return 1
 
     def folder_of(row: study.Row) -> Path:
-        return run.run_folder(options.results, profile, row.scenario, row.code, row.seed)
+        return run_folder(chosen.results, profile, row.scenario, row.code, row.seed)
 
-    if options.make:
-        flags = ["--ranks", options.ranks, "--results", str(options.results), "--scenarios", str(options.scenarios)]
-        flags += ["--profile", options.profile] if options.profile else []
+    if chosen.make:
+        flags = ["--ranks", str(chosen.ranks), "--results", str(chosen.results), "--scenarios", str(chosen.scenarios)]
+        flags += ["--profile", chosen.profile] if chosen.profile else []
         print(makefile(rows, shlex.join([sys.executable, "-m", "analysis", "study", *flags])), end="")
         return 0
-    if options.count:
-        print(len(study.final_rows(options.scenarios)))
+    if chosen.count:
+        print(len(study.final_rows(chosen.scenarios)))
         return 0
-    if options.row is None and options.array is None:
+    if chosen.row is None and chosen.array is None:
         print(listing(rows, folder_of))
         return 0
 
-    if options.array is None:
-        chosen = [row for row in rows if row.name == options.row]
+    if chosen.array is None:
+        chosen = [row for row in rows if row.name == chosen.row]
     else:
-        chosen = study.final_rows(options.scenarios)[options.array : options.array + 1] if options.array >= 0 else []
+        chosen = study.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
     if not chosen:
         print("study: no such row; `python -m analysis study --list` prints them", file=sys.stderr)
         return 2
@@ -112,8 +118,16 @@ def main(argv: list[str]) -> int:
     if text := settled(folder_of(row), row.cycles):
         print(f"{row.scenario} {row.code} {profile}{f' seed {row.seed}' if row.seed != 1 else ''} | {text}")
         return 0
-    return run.main(
-        [row.scenario, "--code", row.code, "--seed", str(row.seed), "--cycles", str(row.cycles), "--profile", profile]
-        + ["--ranks", options.ranks, "--results", str(options.results), "--scenarios", str(options.scenarios)]
-        + ["--progress", "lines"]
+    scenario = load_scenario(row.scenario, profile, chosen.scenarios, row.cycles)
+    return run(
+        RunSettings(
+            scenario,
+            row.code,
+            seed=row.seed,
+            ranks=chosen.ranks,
+            results=chosen.results,
+            scenarios=chosen.scenarios,
+            cycles=row.cycles,
+            lines=True,
+        )
     )

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import errno
-import json
 import math
 import os
 import re
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from analysis.driver import checkpoints
-from analysis.driver.process import STOPPED, Engine
+from analysis.driver.divergence import Diverged, Watch
+from analysis.driver.process import STOPPED, EngineProcess
 from analysis.driver.progress import Meter, Progress, duration
-from analysis.driver.watch import Diverged, Watch
 from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 
@@ -66,19 +66,23 @@ class Supervisor:
         stage: str,
         stop: StopRequest,
         progress: Progress,
-        heartbeat,
+        *,
+        heartbeat: Callable[[str, int, int | None, float], None],
+        renew: Callable[[], None],
         normaliser=None,
         start: checkpoints.Checkpoint | None = None,
     ):
-        """`heartbeat(stage, steps, clumps, steps_per_second)` is called every few seconds and at the end."""
+        """`heartbeat(stage, steps, clumps, steps_per_second)` is called every few seconds and at the end, `renew` at
+        every look.
+        """
         self.folder, self.scenario, self.stage, self.stop = folder, scenario, stage, stop
-        self.progress, self.heartbeat, self.normaliser = progress, heartbeat, normaliser
+        self.progress, self.heartbeat, self.renew, self.normaliser = progress, heartbeat, renew, normaliser
         self.raw, self.kept = folder / "raw", folder / "checkpoints"
         self.grid = derived.time_grid(scenario)
         self.cycles = start.cycle if start else 0
         # At step 0 the engine still has to write the first row.
         self.row_step = self.state_step = (start.step(self.grid) if start else 0) or None
-        self.watch = Watch(scenario, stage, self.row_step)
+        self.watch = Watch(scenario, stage, self.row_step, self._clumps_after_preload() if start else None)
         self._state, self._load = GrowingCsv(self.raw / "state.csv"), GrowingCsv(self.raw / f"{stage}.csv")
         self._state.skip()
         self._load.skip()
@@ -87,10 +91,11 @@ class Supervisor:
 
     def supervise(self, argv: list[str], threads: int = 1) -> None:
         """Run the engine to its end. Raises Diverged, RunError or Interrupted; the engine never outlives this call."""
-        engine, asked = Engine(argv, self.folder / "log" / f"{self.stage}.log", threads), False
+        engine, asked = EngineProcess(argv, self.folder / "log" / f"{self.stage}.log", threads), False
         try:
             while (code := engine.wait(POLL_S)) is None:
                 self.look()
+                self.renew()
                 self._check_disk()
                 self._check_stall()
                 self._show()
@@ -136,6 +141,10 @@ class Supervisor:
             self._certify()
         if diverged:
             raise diverged
+
+    def _clumps_after_preload(self) -> int:
+        with open(self.raw / "bed_preloaded.csv", "rb") as file:
+            return sum(1 for line in file if line.strip()) - 1
 
     def _check_disk(self) -> None:
         disk = os.statvfs(self.folder)
@@ -205,7 +214,7 @@ class Supervisor:
 
     # ------------------------------------------------------------------ the end
 
-    def _judge(self, engine: Engine, code: int) -> None:
+    def _judge(self, engine: EngineProcess, code: int) -> None:
         if code == 0:
             if self.stage == "preload" and (self.raw / "bed_preloaded.csv").exists():
                 for checkpoint in checkpoints.listed(self.kept):
@@ -223,11 +232,3 @@ class Supervisor:
         raise RunError(
             errors[-1] if errors else f"the engine {how}; read {self.stage}.log in the folder log of the run"
         )
-
-
-def deviations(raw: Path) -> list[str]:
-    """What the engine says it does differently from the paper's law, one sentence each."""
-    try:
-        return json.loads((raw / "deviations.json").read_text())
-    except FileNotFoundError:
-        return []

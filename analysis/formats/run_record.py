@@ -45,6 +45,8 @@ class RunRecord:
     clumps              of the latest state; None before the first
     deviations          from the paper's law, a sentence each
     resumes             where cyclic loading went on: stage, cycle, block
+    parts               what did which part: stage, cycle and block where it began, ranks, threads, engine, commit, host
+    repeatable          whether the same command gives the same files bit for bit: each part on one core, by one program
     more                keys of a newer version, kept as they are
     """
 
@@ -69,6 +71,8 @@ class RunRecord:
     clumps: int | None
     deviations: list[str]
     resumes: list[dict]
+    parts: list[dict] = field(default_factory=list)
+    repeatable: bool | None = None
     timing: Timing
     more: dict = field(default_factory=dict)
 

@@ -13,7 +13,7 @@ from analysis.scenarios.scenario import ScenarioError
 
 def main(argv: list[str]) -> int:
     """`python -m analysis reference`: check every file, list what is there and what is pending."""
-    parser = Parser(prog="python -m analysis reference", description=main.__doc__)
+    parser = Parser(prog="ballast reference", description=main.__doc__)
     parser.add_argument("--folder", type=Path, default=REFERENCE_FOLDER, help="instead of reference_data/")
     folder = parser.parse_args(argv).folder
     references = load_references(folder)

@@ -16,7 +16,7 @@ import jinja2
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.quantities import last_cycle
-from analysis.driver import calibrate, record
+from analysis.driver import calibrate, provenance
 from analysis.files import ROOT, write_aside
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
@@ -48,7 +48,7 @@ PAGES = (
 
 def main(argv: list[str]) -> int:
     """Command line of `make compare`."""
-    parser = Parser(prog="python -m analysis report", description="Build the report from the runs that exist.")
+    parser = Parser(prog="ballast report", description="Build the report from the runs that exist.")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the runs")
     parser.add_argument(
         "--out", type=Path, default=Path("report"), help="folder of the report; verification.csv is looked for there"
@@ -155,9 +155,10 @@ def choose(runs: list[Run]) -> tuple[Runs, list[tuple[Run, str]]]:
 
 def version_stamp() -> str:
     """Version of the analysis and commit of the working tree, as it stands under every figure."""
-    git = record.git()
+    git = provenance.git_state()
     commit = (
-        f", commit {record.short_commit(git['git_commit'])}{' with uncommitted changes' if git['git_dirty'] else ''}"
+        f", commit {provenance.short_commit(git['git_commit'])}"
+        f"{' with uncommitted changes' if git['git_dirty'] else ''}"
         if git["git_commit"]
         else ""
     )

@@ -16,7 +16,7 @@ from analysis.scenarios.scenario import ScenarioError
 
 def main(argv: list[str]) -> int:
     """Command line of `make findings`."""
-    parser = Parser(prog="python -m analysis findings", description="Write what the runs say as CSV tables.")
+    parser = Parser(prog="ballast findings", description="Write what the runs say as CSV tables.")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the runs")
     parser.add_argument("--out", type=Path, default=Path("report/findings"), help="folder of the tables")
     options = parser.parse_args(argv)

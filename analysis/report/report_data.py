@@ -99,7 +99,7 @@ def state_of(run: Run) -> tuple[str, str]:
     state, reason = run.info.get("state", "unknown"), run.info.get("reason") or ""
     if state == "running":
         try:
-            state, reason = status.state_of(run.folder, run.info)
+            state, reason = status.state_of(run.folder, state, reason)
         except (KeyError, TypeError, ValueError, OSError):
             return "interrupted", "its run.json is incomplete"
     return state, reason

@@ -38,6 +38,7 @@ import numpy as np
 from analysis import laws
 from analysis.arguments import Parser
 from analysis.driver import engines
+from analysis.driver.engine import EngineError
 from analysis.files import write_csv
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario, scenario_names
@@ -251,7 +252,7 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
 def main(argv: list[str]) -> int:
     """Command line."""
     parser = Parser(
-        prog="python -m analysis impact", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="ballast impact", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("case", help="an impact file, or the name of a scenario: its law, head-on at 1 m/s")
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code")
@@ -263,7 +264,7 @@ def main(argv: list[str]) -> int:
         known = arguments.case in scenario_names()
         impact = of_scenario(arguments.case) if known else read_impact(Path(arguments.case))
         for code in codes:
-            engines.versions(code)
+            engines.ENGINES[code].version()
         probe, rows, series = impact.probe(), [], []
         for code in codes:
             found, failures = run_probes(code, [probe], folder / code)
@@ -273,7 +274,7 @@ def main(argv: list[str]) -> int:
             row, curves = evaluate(impact, probe, code, found[probe.name])
             rows.append(row)
             series += [(code, *(f"{value:.9g}" for value in point)) for point in curves.T]
-    except (ScenarioError, engines.EngineError) as error:
+    except (ScenarioError, EngineError) as error:
         print(f"impact: {error}", file=sys.stderr)
         return 2
     finally:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.driver import engines
+from analysis.driver.engines import LIGGGHTS
 from analysis.files import ROOT
 from analysis.verification.verify import verify
 
@@ -184,7 +184,7 @@ def build(mutation: Mutation | None, source: Path, folder: Path) -> Path:
 
 def catching_cases(host: Path, folder: Path) -> list[str]:
     """Names of the cases with a failed row, for a LIGGGHTS executable."""
-    engines.HOST = host
+    LIGGGHTS.host = host
     rows = [row for results in verify(["liggghts"], folder, CASES) for row in results.rows]
     return [
         f"{case} ({sum(r.case == case and not r.passed for r in rows)} of {sum(r.case == case for r in rows)} rows)"
@@ -194,7 +194,7 @@ def catching_cases(host: Path, folder: Path) -> list[str]:
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = Parser(prog="python -m analysis mutations", description=__doc__.split("\n")[0])
+    parser = Parser(prog="ballast mutations", description=__doc__.split("\n")[0])
     parser.add_argument(
         "--only", type=int, action="append", metavar="N", help="only mutation N, from 1 (may be given again)"
     )

@@ -15,7 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.driver import engines
+from analysis.driver.engine import write_bed
+from analysis.driver.engines import LIGGGHTS
+from analysis.driver.liggghts import parameter_deck
 from analysis.files import ROOT
 from analysis.scenarios.scenario import Parameter, Scenario
 
@@ -167,10 +169,10 @@ def _from_yade(probe: Probe, rows: np.ndarray) -> Trajectory:
 def _run_liggghts(probes: list[Probe], folder: Path):
     (probe,) = probes
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "parameters.in").write_text(engines.liggghts_parameters(probe.scenario, seed=1))
+    (folder / "parameters.in").write_text(parameter_deck(probe.scenario, seed=1))
     (folder / "case.in").write_text(_liggghts_case(probe))
     if probe.clumps:
-        engines.write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in probe.clumps])
+        write_bed(folder / "bed.csv", [clump.position + clump.quaternion for clump in probe.clumps])
         (folder / "motions.in").write_text(
             "".join(
                 f"fix_modify probe motion {n} {_list(clump.velocity + clump.spin)}\n"
@@ -179,7 +181,7 @@ def _run_liggghts(probes: list[Probe], folder: Path):
         )
     deck = "liggghts/verify_clumps.in" if probe.clumps else "liggghts/verify_balls.in"
     try:
-        call_engine([str(engines.HOST), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
+        call_engine([str(LIGGGHTS.host), "-in", deck, "-log", "none", "-var", "run", str(folder.resolve())], folder)
     except EngineFailure as error:
         return {}, {probe.name: str(error)}
     spheres = len(probe.balls) + 2 * len(probe.clumps)

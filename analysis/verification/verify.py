@@ -16,6 +16,7 @@ from pathlib import Path
 
 from analysis.arguments import Parser
 from analysis.driver import engines
+from analysis.driver.engine import EngineError
 from analysis.verification.cases import bonds as verify_bonds
 from analysis.verification.cases import clumps as verify_clumps
 from analysis.verification.cases import impacts as verify_impacts
@@ -37,7 +38,7 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
     Last come the results of what needs no engine. Cases that an engine does not finish are failed rows.
     """
     for code in codes:
-        engines.versions(code)  # refuses an engine that is missing
+        engines.ENGINES[code].version()  # refuses an engine that is missing
     workers = max(1, (os.cpu_count() or 1) // len(codes)) if codes else 1
     with ThreadPoolExecutor(max(1, len(codes))) as pool:
         all_results = list(pool.map(lambda code: _verify_code(code, folder / code, chosen, workers), codes))
@@ -85,7 +86,7 @@ def case_names() -> list[str]:
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = Parser(prog="python -m analysis verify", description=__doc__.split("\n")[0])
+    parser = Parser(prog="ballast verify", description=__doc__.split("\n")[0])
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code (may be given twice)")
     parser.add_argument("--case", choices=case_names(), action="append", help="only this case (may be given again)")
     parser.add_argument("--out", type=Path, default=Path("report"), help="folder of verification.csv")
@@ -96,13 +97,13 @@ def main(argv: list[str]) -> int:
         if not arguments.host.exists():
             print(f"verify: --host {arguments.host} does not exist; build it first", file=sys.stderr)
             return 2
-        engines.HOST = arguments.host.resolve()
+        engines.LIGGGHTS.host = arguments.host.resolve()
 
     start = time.monotonic()
     folder = arguments.keep or Path(tempfile.mkdtemp(prefix="verify-"))
     try:
         all_results = verify(arguments.code or list(engines.CODES), folder, arguments.case)
-    except engines.EngineError as error:
+    except EngineError as error:
         print(f"verify: {error}", file=sys.stderr)
         return 2
     finally:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison.quantities import last_cycle
-from analysis.driver import record
+from analysis.driver import provenance
 from analysis.driver.status import load_not_reached
 from analysis.formats import file_columns
 from analysis.formats.numbers import plural
@@ -90,7 +90,7 @@ def runs_page(data: ReportData) -> dict:
     for run in (*data.runs, *data.variants):
         versions = run.info.get("versions", {})
         state, reason = state_of(run)
-        commit = record.short_commit(run.info.get("git_commit") or "–")
+        commit = provenance.short_commit(run.info.get("git_commit") or "–")
         summary.rows.append(
             [
                 run.id,

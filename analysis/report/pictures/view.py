@@ -7,7 +7,7 @@ from pathlib import Path
 
 from analysis.arguments import Parser
 from analysis.driver.engines import CODES
-from analysis.driver.run import run_folder
+from analysis.driver.folder import run_folder
 from analysis.report import style
 from analysis.report.pictures.panels import bed_panel, chain_panel
 from analysis.report.pictures.paraview import write_paraview
@@ -16,7 +16,7 @@ from analysis.report.pictures.scene import ViewError, last_with_contacts, load_s
 
 def main(argv: list[str]) -> int:
     """Write the pictures and ParaView files of one run into its folder `view/`."""
-    parser = Parser(prog="python -m analysis view", description="Pictures of a bed, and files for ParaView.")
+    parser = Parser(prog="ballast view", description="Pictures of a bed, and files for ParaView.")
     parser.add_argument("scenario")
     parser.add_argument("--code", choices=CODES, required=True)
     parser.add_argument("--profile", default="demo")

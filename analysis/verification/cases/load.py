@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.driver import engines
+from analysis.driver.engine import write_bed
+from analysis.driver.engines import ENGINES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification.cases.clumps import about_y
@@ -69,15 +70,16 @@ class LoadedColumn:
             list(pool.map(lambda item: self._run(item[1], (folder / item[0]).resolve()), self.scenarios.items()))
 
     def _run(self, scenario: Scenario, run_dir: Path) -> None:
-        engines.write_inputs(scenario, run_dir, seed=1)
+        engine = ENGINES[self.code]
+        engine.write_inputs(scenario, run_dir, seed=1)
         clump, box = derived.clump(scenario), derived.apparatus(scenario)
-        engines.write_bed(
+        write_bed(
             run_dir / "raw" / "bed_packed.csv",
             [(box.length_m / 2, box.width_m / 2, (2 * k + 1) * clump.radius_m, *about_y(90)) for k in range(LAYERS)],
         )
-        call_engine(engines.command(self.code, "preload", run_dir), run_dir)
-        checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engines.CHECKPOINT_SUFFIX[self.code]}"
-        call_engine(engines.command(self.code, "cyclic", run_dir, checkpoint), run_dir)
+        call_engine(engine.command("preload", run_dir), run_dir)
+        checkpoint = run_dir / "checkpoints" / f"cyclic_000000.{engine.checkpoint_suffix}"
+        call_engine(engine.command("cyclic", run_dir, checkpoint), run_dir)
 
     def judge(self, folder: Path, results: Results) -> None:
         for law, scenario in self.scenarios.items():

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from analysis.driver.watch import Diverged, Watch
+from analysis.driver.divergence import Diverged, Watch
 from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario

@@ -21,9 +21,12 @@ class Diverged(RuntimeError):
 class Watch:
     """Feed it the rows of raw/state.csv and of the stage's own CSV file, in order; it raises Diverged."""
 
-    def __init__(self, scenario, stage: str, last_step: int | None = None):
-        """`last_step`: step of the last row that was written before a resume; None at the start of a stage."""
-        self.scenario, self.stage, self._last_step = scenario, stage, last_step
+    def __init__(self, scenario, stage: str, last_step: int | None = None, clumps: int | None = None):
+        """`last_step`: step of the last row that was written before a resume; None at the start of a stage.
+
+        `clumps`: how many the bed must keep, as after preload nothing removes any; None while beds are made.
+        """
+        self.scenario, self.stage, self._last_step, self._clumps = scenario, stage, last_step, clumps
         self._grid = derived.time_grid(scenario)
         self._peaks: list[float] = []
 
@@ -36,11 +39,22 @@ class Watch:
                 f"kinetic energy {energy:.3g} J per clump at step {row['step']} of {row['stage']}, "
                 f"limit {limit:g} J (limits.kinetic_energy)"
             )
+        self._check_clumps(row)
         overlap, limit = values["overlap_max_ratio"], self.scenario["limits.overlap_ratio"]
         if overlap > limit and row["stage"] != "packing":  # packing starts with clumps that were grown into each other
             raise Diverged(
                 f"overlap of {overlap:.3g} sphere radii at step {row['step']} of {row['stage']}, "
                 f"limit {limit:g} (limits.overlap_ratio)"
+            )
+
+    def _check_clumps(self, row: Row) -> None:
+        if self._clumps is None:
+            return
+        left = self._clumps - self._numbers(row, "state", ("clumps",))["clumps"]
+        if left:
+            raise Diverged(
+                f"{left:.0f} of {self._clumps} clumps left the simulated space before step {row['step']} of "
+                f"{row['stage']}: what is left is not the bed any more"
             )
 
     def load(self, row: Row) -> None:
