@@ -1,12 +1,14 @@
 """The table of all runs."""
 
-import json
+import dataclasses
 
 from driver import run_folder
 
 from analysis.__main__ import main as ballast
 from analysis.driver import provenance, status
 from analysis.driver.locks import hold
+from analysis.formats.file_columns import CYCLES, header
+from analysis.formats.run_record import RunRecord, Timing
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -18,23 +20,40 @@ def make(results, code, state, seed=1, cycles=2, **more):
     folder = run_folder(results, SCENARIO.name, code)
     folder.mkdir(parents=True)
     steps = derived.time_grid(SCENARIO).steps_per_cycle
-    body = {
-        "profile": "demo",
-        "scenario": SCENARIO.name,
-        "code": code,
-        "seed": seed,
-        "state": state,
-        "reason": "",
-        "stage": "cyclic",
-        "steps": {"cyclic": cycles * steps},
-        "clumps": 380,
-        "timing": {"steps_per_second": {"cyclic": steps / 10}, "heartbeat": provenance.now()},
-    } | more
-    (folder / "run.json").write_text(json.dumps(body))
-    (folder / "scenario.json").write_text(SCENARIO.to_json())
-    (folder / "cycles.csv").write_text(
-        "cycle,tracking_rms_Pa\n" + "".join(f"{n},{1000 * (cycles + 1 - n)}\n" for n in range(1, cycles + 1))
+    record = RunRecord(
+        scenario=SCENARIO.name,
+        profile="demo",
+        code=code,
+        scenario_hash=SCENARIO.hash,
+        title=SCENARIO.title,
+        versions={"engine": "fake 1"},
+        command="make run",
+        seed=seed,
+        bed="own",
+        git_commit="0" * 40,
+        git_dirty=False,
+        ranks=1,
+        threads=1,
+        state=state,
+        reason="",
+        stage="cyclic",
+        steps={"cyclic": cycles * steps},
+        clumps=380,
+        deviations=[],
+        resumes=[],
+        timing=Timing(
+            start=provenance.now(),
+            steps_per_second={"cyclic": steps / 10},
+            pid=1,
+            host="here",
+            heartbeat=provenance.now(),
+        ),
     )
+    dataclasses.replace(record, **more).write(folder)
+    (folder / "scenario.json").write_text(SCENARIO.to_json())
+    rows = [{"cycle": n, "tracking_rms_Pa": 1000 * (cycles + 1 - n)} for n in range(1, cycles + 1)]
+    cells = [",".join(str(row.get(name, 460e3)) for name in CYCLES) + "\n" for row in rows]
+    (folder / "cycles.csv").write_text(header(CYCLES) + "".join(cells))
     return folder
 
 

@@ -107,7 +107,7 @@ class Run:
 
     def _load(self) -> None:
         """Preload, cyclic loading and the normalised files, whatever of it is missing."""
-        if self._resume_point() is None:
+        if self._resume_point(warn=False) is None:
             self._preload()
         if self.settings.until == "preload":
             self.record.save(state="interrupted", reason="paused after preload, as asked", end=now())
@@ -206,7 +206,7 @@ class Run:
         for name in NORMALISED:
             (self.folder / name).unlink(missing_ok=True)
         self._stage("preload")
-        if not self._resume_point():
+        if not self._resume_point(warn=False):
             raise RunError(
                 f"{self.engine.name} ended without checkpoints/cyclic_000000 and raw/bed_preloaded.csv; "
                 f"{self._read_log('preload')}"
@@ -215,7 +215,7 @@ class Run:
 
     def _cyclic(self) -> None:
         """Go on from the last good checkpoint as if nothing had been done after it."""
-        start = self._resume_point()
+        start = self._resume_point(warn=False)
         if start is None:
             raise RunError(f"no checkpoint before cycle {self.cycles} is left; {refusal.START_OVER}")
         checkpoints.forget_after(self.kept, start)

@@ -103,7 +103,7 @@ def apparatus(s) -> Apparatus:
 
 
 def simulated_space(s) -> Block:
-    """The space outside of which a clump is lost, in both codes: room above the box and for plates that move outward."""
+    """The space outside of which a clump is lost, in both codes: with room above the box and behind the plates."""
     box = apparatus(s)
     high = (box.length_m + 0.2, box.width_m + 0.05, 2 * box.height_m + 0.05)
     return Block((-0.05, -0.05, -0.05), tuple(round(value, 10) for value in high))

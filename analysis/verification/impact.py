@@ -251,9 +251,7 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
 
 def main(argv: list[str]) -> int:
     """Command line."""
-    parser = Parser(
-        prog="ballast impact", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = Parser(prog="ballast impact", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", help="an impact file, or the name of a scenario: its law, head-on at 1 m/s")
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code")
     parser.add_argument("--out", type=Path, default=Path("report/impact"), help="folder of the result")
