@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 
+from analysis.__main__ import main as ballast
 from analysis.driver import status
 from analysis.driver import study as command
 from analysis.driver.run import run_folder
@@ -137,7 +138,7 @@ def test_an_unknown_row_is_refused(tmp_path, capsys):
 def test_status_shows_how_far_the_list_is(tmp_path, capsys):
     make_run(tmp_path, ROWS[0], cycles=100)
     make_run(tmp_path, ROWS[1], 40, "failed", "diverged: thrown")
-    assert status.main(["--results", str(tmp_path)]) == 0
+    assert ballast(["status", "--results", str(tmp_path)]) == 0
     lines = capsys.readouterr().out.splitlines()
     (first,) = [line for line in lines if line.startswith("1. Both readings")]
     assert first.split()[-3:] == ["1/28", "1", "140/2800"]
