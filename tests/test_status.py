@@ -1,60 +1,26 @@
 """The table of all runs."""
 
-import dataclasses
-
+from bare_run import write_run
 from driver import run_folder
 
 from analysis.__main__ import main as ballast
-from analysis.driver import provenance, status
+from analysis.driver import status
 from analysis.driver.locks import hold
-from analysis.formats.file_columns import CYCLES, header
-from analysis.formats.run_record import RunRecord, Timing
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
 SCENARIO = load_scenario("nonlinear-en1.0", "demo")
 
 
-def make(results, code, state, seed=1, cycles=2, **more):
+def make(results, code, state, cycles=2, **more):
     """A run's folder, as far as the status needs it."""
-    folder = run_folder(results, SCENARIO.name, code)
-    folder.mkdir(parents=True)
     steps = derived.time_grid(SCENARIO).steps_per_cycle
-    record = RunRecord(
-        scenario=SCENARIO.name,
-        profile="demo",
-        code=code,
-        scenario_hash=SCENARIO.hash,
-        title=SCENARIO.title,
-        versions={"engine": "fake 1"},
-        command="make run",
-        seed=seed,
-        bed="own",
-        git_commit="0" * 40,
-        git_dirty=False,
-        ranks=1,
-        threads=1,
-        state=state,
-        reason="",
-        stage="cyclic",
-        steps={"cyclic": cycles * steps},
-        clumps=380,
-        deviations=[],
-        resumes=[],
-        timing=Timing(
-            start=provenance.now(),
-            steps_per_second={"cyclic": steps / 10},
-            pid=1,
-            host="here",
-            heartbeat=provenance.now(),
-        ),
-    )
-    dataclasses.replace(record, **more).write(folder)
-    (folder / "scenario.json").write_text(SCENARIO.to_json())
-    rows = [{"cycle": n, "tracking_rms_Pa": 1000 * (cycles + 1 - n)} for n in range(1, cycles + 1)]
-    cells = [",".join(str(row.get(name, 460e3)) for name in CYCLES) + "\n" for row in rows]
-    (folder / "cycles.csv").write_text(header(CYCLES) + "".join(cells))
-    return folder
+    rows = [
+        {"cycle": n, "tracking_rms_Pa": 1000 * (cycles + 1 - n), "sleeper_stress_max_Pa": 460e3}
+        for n in range(1, cycles + 1)
+    ]
+    more |= {"state": state, "steps": {"cyclic": cycles * steps}}
+    return write_run(run_folder(results, SCENARIO.name, code), SCENARIO, code, rows, speed=steps / 10, **more)
 
 
 def test_a_running_run_shows_how_far_it_is(tmp_path):

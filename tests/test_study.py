@@ -1,14 +1,14 @@
 """The list of the study, and how make works through it."""
 
-import json
 import subprocess
 
 import pytest
+from bare_run import write_run
 
 from analysis.__main__ import main as ballast
 from analysis.driver import status
 from analysis.driver import study as command
-from analysis.driver.run import run_folder
+from analysis.driver.folder import run_folder
 from analysis.scenarios import study
 from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario, scenario_names, split_id
 
@@ -26,16 +26,13 @@ def folder(results, row):
 
 def make_run(results, row, cycles, state="finished", reason=""):
     """A run's folder as far as the list looks at it."""
-    where = folder(results, row)
-    where.mkdir(parents=True)
-    body = {"profile": "full", "scenario": split_id(row.scenario)[0], "code": row.code, "seed": row.seed}
-    body |= {"state": state, "reason": reason, "stage": "cyclic", "steps": {}, "clumps": 1}
-    (where / "run.json").write_text(json.dumps(body | {"timing": {"steps_per_second": {}}}))
-    (where / "scenario.json").write_text(load_scenario(row.scenario, cycles=row.cycles).to_json())
-    lines = [f"{n},{50e3},{460e3 if state == 'finished' else 300e3},100" for n in range(1, cycles + 1)]
-    header = "cycle,sleeper_stress_min_Pa,sleeper_stress_max_Pa,tracking_rms_Pa"
-    (where / "cycles.csv").write_text("\n".join([header, *lines, ""]))
-    return where
+    peak = 460e3 if state == "finished" else 300e3
+    rows = [
+        {"cycle": n, "sleeper_stress_min_Pa": 50e3, "sleeper_stress_max_Pa": peak, "tracking_rms_Pa": 100.0}
+        for n in range(1, cycles + 1)
+    ]
+    scenario = load_scenario(row.scenario, cycles=row.cycles)
+    return write_run(folder(results, row), scenario, row.code, rows, seed=row.seed, state=state, reason=reason)
 
 
 # ------------------------------------------------------------------ the list
@@ -116,7 +113,7 @@ def test_a_row_that_is_done_answers_at_once(tmp_path, capsys):
     row = ROWS[0]
     where = make_run(tmp_path, row, cycles=1000)
     before = {path.name: path.read_bytes() for path in where.iterdir()}
-    assert command.main(["--row", row.name, "--results", str(tmp_path)]) == 0
+    assert ballast(["study", "--row", row.name, "--results", str(tmp_path)]) == 0
     assert "done: 1000 cycles" in capsys.readouterr().out
     assert {path.name: path.read_bytes() for path in where.iterdir()} == before
 
@@ -130,8 +127,8 @@ def test_a_run_that_diverged_is_a_result_and_one_that_failed_otherwise_is_tried_
 
 
 def test_an_unknown_row_is_refused(tmp_path, capsys):
-    assert command.main(["--row", "mine", "--results", str(tmp_path)]) == 2
-    assert command.main(["--array", "1000", "--results", str(tmp_path)]) == 2
+    assert ballast(["study", "--row", "mine", "--results", str(tmp_path)]) == 2
+    assert ballast(["study", "--array", "1000", "--results", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("no such row") == 2
 
 

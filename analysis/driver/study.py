@@ -108,13 +108,13 @@ def execute(chosen: argparse.Namespace) -> int:
         return 0
 
     if chosen.array is None:
-        chosen = [row for row in rows if row.name == chosen.row]
+        found = [row for row in rows if row.name == chosen.row]
     else:
-        chosen = study.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
-    if not chosen:
+        found = study.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
+    if not found:
         print("study: no such row; `python -m analysis study --list` prints them", file=sys.stderr)
         return 2
-    (row,) = chosen
+    (row,) = found
     if text := settled(folder_of(row), row.cycles):
         print(f"{row.scenario} {row.code} {profile}{f' seed {row.seed}' if row.seed != 1 else ''} | {text}")
         return 0
