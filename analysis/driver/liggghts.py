@@ -100,7 +100,15 @@ def _derived(scenario: Scenario, seed: int) -> dict:
         "seed": seed,
     }
     scaled = {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
-    return values | scaled | _blocks(scenario)
+    return values | _bonds(scenario) | scaled | _blocks(scenario)
+
+
+def _bonds(scenario: Scenario) -> dict[str, float]:
+    """Whether there are bonds, and the distance of two centres (m) at which none holds any more."""
+    bond, radius = derived.bond(scenario), derived.clump(scenario).radius_m
+    if bond is None:
+        return {"bonded": 0}
+    return {"bonded": 1, "bond_reach": 2.1 * radius + bond.tensile_strength / bond.normal_stiffness}
 
 
 def _blocks(scenario: Scenario) -> dict[str, list[float]]:

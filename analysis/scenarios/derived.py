@@ -166,7 +166,7 @@ def bond(s, radius_1_m: float = 0.0, radius_2_m: float = 0.0) -> laws_bond.Bond 
 
 def lattice_spacing(s) -> float:
     """Centre distance of the hexagonal lattice, m."""
-    return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"]
+    return 2 * s["packing.lattice_radius"] + s["packing.lattice_gap"] * s["packing.lattice_gap_share"]
 
 
 def critical_time_step(s) -> float:

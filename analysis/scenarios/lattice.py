@@ -16,7 +16,7 @@ def lattice_bed(s, seed: int) -> list[tuple[float, ...]]:
     """Poses (x, y, z, qw, qx, qy, qz) of the lattice clumps of scenario `s`, metres and unit quaternions.
 
     Lattice balls of the grown radius stay clear of walls and sleeper; layers of hexagonal close packing lie flat.
-    The orientations are uniform over rotations and depend on `seed` only.
+    The orientations are uniform over rotations; they and the empty sites depend on `seed` only.
     """
     generator = random.Random(seed)
     poses = []
@@ -25,12 +25,19 @@ def lattice_bed(s, seed: int) -> list[tuple[float, ...]]:
             quaternion = [generator.gauss(0, 1) for _ in range(4)]
             norm = math.sqrt(sum(c * c for c in quaternion))
             poses.append((x, y, z, *(c / norm for c in quaternion)))
-    return poses
+    empty = set(generator.sample(range(len(poses)), _vacancies(s, len(poses))))
+    return [pose for n, pose in enumerate(poses) if n not in empty]
 
 
 def site_count(s) -> int:
     """Number of clumps that `lattice_bed` places."""
-    return sum(len(along) for _, _, along in _rows(s))
+    sites = sum(len(along) for _, _, along in _rows(s))
+    return sites - _vacancies(s, sites)
+
+
+def _vacancies(s, sites: int) -> int:
+    """Number of sites that stay empty."""
+    return round(s["packing.lattice_vacancies"] * sites)
 
 
 def void_fraction(s) -> float:

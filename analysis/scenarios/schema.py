@@ -129,6 +129,8 @@ KEYS: dict[str, Key] = {
             "packing.lattice_radius": _positive("m", 1),
             "packing.growth": Key("-", float, 1, 5),
             "packing.lattice_gap": _from_zero("m", 1),
+            "packing.lattice_gap_share": _neutral(1.0, _positive("-", 10)),
+            "packing.lattice_vacancies": _neutral(0.0, _from_zero("-", 0.5)),
             "packing.relax_stiffness": Key("-", list, 0, 1, open_minimum=True),
             "packing.relax_steps": _positive("step", kind=int),
             "packing.local_damping": _from_zero("-", 0.95),

@@ -1,7 +1,8 @@
 """`python -m analysis mutations`: does the verification notice a wrong law?
 
-Each mutation changes a line of the LIGGGHTS models in a copy, builds it, and runs the verification cases on it. The
-command prints which cases caught it, and ends non-zero if one goes unnoticed or does not fit the source any more.
+Each mutation changes a line of the LIGGGHTS models (or of YADE's scripts) in a copy, builds it, and runs the
+verification cases on it. The command prints which cases caught it, and ends non-zero if one goes unnoticed or does not
+fit the source any more.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.driver.engines import LIGGGHTS
 from analysis.files import ROOT
+from analysis.verification import probes
 from analysis.verification.verify import verify
 
 SOURCE = ROOT / "liggghts"
-CASES = ["head-on", "wall-dashpot", "oblique", "no-approach", "path", "clump-bounce", "clump-pair"]
+CASES = ("head-on", "wall-dashpot", "oblique", "no-approach", "path", "clump-bounce", "clump-pair")
+BOND_CASES = ("bond-path", "bond-cantilever", "bond-energy", "bond-clumps")
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,9 @@ class Mutation:
 
     name: str
     changes: tuple[tuple[str, str, str], ...]
+    cases: tuple[str, ...] = CASES
+    """Those that must notice."""
+    code: str = "liggghts"
 
 
 MUTATIONS = (
@@ -149,6 +155,70 @@ MUTATIONS = (
         (("tangential_model_ballast_slip.h", "friction_[contact.itype][contact.jtype] * contact.Fn", "contact.Fn"),),
     ),
 )
+MUTATIONS += tuple(
+    Mutation(name, changes, BOND_CASES)
+    for name, *changes in (
+        (
+            "bond: area for I in bending",
+            (
+                "bond_law.h",
+                "disc.normal_stiffness * disc.moment_of_inertia * (bend",
+                "disc.normal_stiffness * disc.area * (bend",
+            ),
+        ),
+        (
+            "bond: I for J in twisting",
+            ("bond_law.h", "moment_of_inertia, 2.0 * moment_of_inertia", "moment_of_inertia, moment_of_inertia"),
+        ),
+        ("bond: radius of the larger sphere", ("bond_law.h", "(radius_1 < radius_2 ?", "(radius_1 > radius_2 ?")),
+        (
+            "bond: no bending in the stress",
+            ("bond_law.h", "+ bending * disc.radius / disc.moment_of_inertia;", "+ 0.0 * bending;"),
+        ),
+        (
+            "bond: acts in touch only",
+            (
+                "bond_law.h",
+                "(m.distance - state.rest_distance);",
+                "(m.distance < state.rest_distance ? m.distance - state.rest_distance : 0.0);",
+            ),
+        ),
+        ("bond: old shear force not turned", ("bond_law.h", "  carry(state.shear, m.normal, angle);\n", "")),
+        ("bond: made within clumps", ("fix_bonds.cpp", "|| body(i) == body(j)) continue;", "|| i == j) continue;")),
+        (
+            "bond: heals",
+            (
+                "fix_bonds.cpp",
+                "      if (bond.fate != HOLDS) continue;\n      const int j",
+                "      bond.fate = HOLDS;\n      const int j",
+            ),
+        ),
+    )
+)
+MUTATIONS += tuple(
+    Mutation(name, changes, BOND_CASES, "yade")
+    for name, *changes in (
+        (
+            "bond in YADE: area for I",
+            (
+                "bond.py",
+                "phys.kr, phys.ktw = law.normal_stiffness * law.moment_of_inertia",
+                "phys.kr, phys.ktw = law.area",
+            ),
+        ),
+        (
+            "bond in YADE: radius of the larger sphere",
+            (
+                "bond.py",
+                "interaction.geom.refR1, interaction.geom.refR2",
+                "1.0, max(interaction.geom.refR1, interaction.geom.refR2)",
+            ),
+        ),
+        ("bond in YADE: made within clumps", ("bond.py", "one.clumpId == two.clumpId", "one.id == two.id")),
+        ("bond in YADE: heals", ("bond.py", "NO_STIFFNESS = 1e-20", "NO_STIFFNESS = 1e9")),
+        ("bond in YADE: moments do not break it", ("bond.py", "if max(tensile, shear) < 1:", "if True:")),
+    )
+)
 
 
 class MutationError(RuntimeError):
@@ -156,7 +226,10 @@ class MutationError(RuntimeError):
 
 
 def mutate(mutation: Mutation, source: Path) -> None:
-    """Change the files of `source` (a copy of liggghts/src). MutationError where a text does not occur exactly once."""
+    """Change the files of `source` (a copy of liggghts/src or yade).
+
+    MutationError where a text does not occur exactly once.
+    """
     for name, old, new in mutation.changes:
         path = source / name
         text = path.read_text()
@@ -182,10 +255,17 @@ def build(mutation: Mutation | None, source: Path, folder: Path) -> Path:
     return folder / "build" / "ballast"
 
 
-def catching_cases(host: Path, folder: Path) -> list[str]:
-    """Names of the cases with a failed row, for a LIGGGHTS executable."""
-    LIGGGHTS.host = host
-    rows = [row for results in verify(["liggghts"], folder, CASES) for row in results.rows]
+def copy_scripts(mutation: Mutation, folder: Path) -> Path:
+    """Copy what YADE's scripts need to `folder` and mutate them; return `folder`, which takes the repository's place."""
+    for name in ("yade", "analysis"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    mutate(mutation, folder / "yade")
+    return folder
+
+
+def catching_cases(code: str, cases: tuple[str, ...], folder: Path) -> list[str]:
+    """Names of the cases with a failed row."""
+    rows = [row for results in verify([code], folder, list(cases)) for row in results.rows]
     return [
         f"{case} ({sum(r.case == case and not r.passed for r in rows)} of {sum(r.case == case for r in rows)} rows)"
         for case in dict.fromkeys(row.case for row in rows if not row.passed)
@@ -207,7 +287,12 @@ def main(argv: list[str]) -> int:
             continue
         folder = Path(tempfile.mkdtemp(prefix="mutation-"))
         try:
-            caught = catching_cases(build(mutation, original, folder), folder / "cases")
+            if mutation and mutation.code == "yade":
+                probes.ROOT = copy_scripts(mutation, folder)
+            else:
+                LIGGGHTS.host, probes.ROOT = build(mutation, original, folder), ROOT
+            cases = mutation.cases if mutation else (*CASES, *BOND_CASES)
+            caught = catching_cases(mutation.code if mutation else "liggghts", cases, folder / "cases")
         except MutationError as error:
             print(f"mutations: {error}", file=sys.stderr)
             shutil.rmtree(original)

@@ -185,11 +185,10 @@ def _run_liggghts(probes: list[Probe], folder: Path):
     except EngineFailure as error:
         return {}, {probe.name: str(error)}
     spheres = len(probe.balls) + 2 * len(probe.clumps)
-    rows = np.fromfile(folder / "rows.bin").reshape(-1, 2 + 15 * spheres)
-    values = rows[:, 2:].reshape(len(rows), spheres, 5, 3)
+    rows = np.fromfile(folder / "rows.bin").reshape(-1, 3 + 15 * spheres)
+    values = rows[:, 3:].reshape(len(rows), spheres, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
-    nothing = np.zeros(len(rows))
-    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), rows[:, 0], rows[:, 1], nothing)}, {}
+    return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), *rows[:, :3].T)}, {}
 
 
 def _list(values) -> str:
@@ -218,6 +217,8 @@ def _liggghts_case(probe: Probe) -> str:
             values[f"ball_w{axis}"] = _list(ball.spin[k] for ball in balls)
             if probe.path:
                 values[f"path_v{axis}"] = _list(velocity[k] for velocity, _ in probe.path)
+                spins = probe.spins or (balls[0].spin,) * len(probe.path)
+                values[f"path_w{axis}"] = _list(spin[k] for spin in spins)
         values["ball_free"] = " ".join(str(int(f)) for f in free)
         if probe.path:
             values["path_steps"] = " ".join(str(steps) for _, steps in probe.path)

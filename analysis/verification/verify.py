@@ -26,8 +26,7 @@ from analysis.verification.cases import porosity as verify_porosity
 from analysis.verification.probes import EngineFailure, run_probes
 from analysis.verification.results import Results, write_rows
 
-PROBED = (*verify_impacts.CASES, *verify_paths.CASES, *verify_clumps.CASES)
-PROBED_IN = {"yade": verify_bonds.CASES}
+PROBED = (*verify_impacts.CASES, *verify_paths.CASES, *verify_clumps.CASES, *verify_bonds.CASES)
 STAGED = verify_load.CASES
 
 
@@ -51,11 +50,7 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
 
 def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Results:
     results = Results(code)
-    wanted = [
-        case
-        for case in (make(code) for make in (*PROBED, *PROBED_IN.get(code, ())))
-        if not chosen or case.name in chosen
-    ]
+    wanted = [case for case in (make(code) for make in PROBED) if not chosen or case.name in chosen]
     found, failures = run_probes(
         code, [probe for case in wanted for probe in case.probes()], folder / "probes", workers
     )
@@ -80,7 +75,7 @@ def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int
 
 def case_names() -> list[str]:
     """Names of all cases, in order."""
-    made = [make("liggghts") for make in (*PROBED, *verify_bonds.CASES, *STAGED)]
+    made = [make("liggghts") for make in (*PROBED, *STAGED)]
     return [case.name for case in (*made, *verify_porosity.CASES)]
 
 

@@ -19,6 +19,7 @@
 #include "domain.h"
 #include "error.h"
 #include "stop_with_error.h"
+#include "fix_bonds.h"
 #include "fix_multisphere.h"
 #include "fix_property_atom.h"
 #include "force.h"
@@ -274,6 +275,42 @@ void write_contacts(LAMMPS *lmp, int narg, char **arg) {
     fprintf(file.stream(), "%d,%d", static_cast<int>(rows[n]), static_cast<int>(rows[n + 1]));
     for (int k = 2; k < width - 1; k++) fprintf(file.stream(), ",%.17g", rows[n + k]);
     fprintf(file.stream(), ",%d\n", static_cast<int>(rows[n + width - 1]));
+  }
+  file.commit();
+}
+
+void write_bonds(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 1) stop_with_error(lmp, "write_bonds: expects FILE");
+  FixBonds *bonds = FixBonds::find(lmp);
+  if (!bonds) stop_with_error(lmp, "write_bonds: there are none; the deck needs fix ballast/bonds first");
+  FixMultisphere *clumps = find_clumps(lmp);
+  const Atom *atom = lmp->atom;
+  // the clump of each sphere; those of a broken bond may be far from each other
+  const int highest = lmp->atom->tag_max();
+  std::vector<int> mine(highest + 1, 0), owner(highest + 1, 0);
+  for (int i = 0; i < atom->nlocal; i++) mine[atom->tag[i]] = clumps ? clumps->belongs_to(i) : atom->tag[i];
+  MPI_Allreduce(mine.data(), owner.data(), highest + 1, MPI_INT, MPI_MAX, lmp->world);
+  const int width = 10;
+  std::vector<double> rows;
+  for (const FixBonds::Row &row : bonds->rows()) {
+    rows.push_back(owner[atom->tag[row.i]]);
+    rows.push_back(owner[static_cast<int>(row.bond.partner)]);
+    rows.insert(rows.end(), row.place, row.place + 3);
+    rows.push_back(row.bond.fate != HOLDS);
+    rows.push_back(row.bond.broken_step);
+    rows.push_back(row.bond.fate);
+    rows.push_back(row.tensile_stress);
+    rows.push_back(row.shear_stress);
+  }
+  rows = gather_rows(lmp, rows);
+  if (lmp->comm->me != 0) return;
+  const char *const modes[] = {"", "tension", "shear"};
+  OutputFile file(lmp, arg[0]);
+  fprintf(file.stream(), "clump_1,clump_2,x_m,y_m,z_m,broken,step,mode,tensile_stress_Pa,shear_stress_Pa\n");
+  for (std::size_t n = 0; n < rows.size(); n += width) {
+    const double *row = &rows[n];
+    fprintf(file.stream(), "%.0f,%.0f,%.17g,%.17g,%.17g,%.0f,%.0f,%s,%.17g,%.17g\n", row[0], row[1], row[2], row[3], row[4], row[5], row[6],
+            modes[static_cast<int>(row[7])], row[8], row[9]);
   }
   file.commit();
 }

@@ -7,6 +7,7 @@
 
 #include "atom.h"
 #include "contact_recorder.h"
+#include "fix_bonds.h"
 #include "fix_gravity.h"
 #include "fix_multisphere.h"
 #include "fix_wall.h"
@@ -68,7 +69,7 @@ double mean_kinetic_energy(LAMMPS *lmp, FixMultisphere *clumps, double &count) {
   return count > 0 ? all[0] / count : 0.0;
 }
 
-/// Mean net force on a clump, N: contact forces of all ranks plus weight.
+/// Mean net force on a clump, N: contact forces and bonds of all ranks plus weight.
 double mean_net_force(LAMMPS *lmp, FixMultisphere *clumps, const std::vector<Contact> &contacts) {
   const Atom *atom = lmp->atom;
   int highest = 0, highest_all;
@@ -99,6 +100,11 @@ double mean_net_force(LAMMPS *lmp, FixMultisphere *clumps, const std::vector<Con
     if (owner(contact.i) > 0) add(owner(contact.i), force, 1.0);
     if (contact.j >= 0 && owner(contact.j) > 0) add(owner(contact.j), force, -1.0);
   }
+  if (const FixBonds *bonds = FixBonds::find(lmp))
+    for (const FixBonds::Force &bond : bonds->forces()) {
+      add(owner(bond.i), bond.value, 1.0);
+      add(owner(bond.j), bond.value, -1.0);
+    }
   MPI_Allreduce(net.data(), net_all.data(), static_cast<int>(net.size()), MPI_DOUBLE, MPI_SUM, lmp->world);
   MPI_Allreduce(exists.data(), exists_all.data(), static_cast<int>(exists.size()), MPI_INT, MPI_SUM, lmp->world);
   double sum = 0.0, count = 0.0;

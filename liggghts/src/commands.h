@@ -22,6 +22,9 @@ void write_bed(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 /// write_contacts FILE: all contacts with their forces.
 void write_contacts(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 
+/// write_bonds FILE: all bonds, broken ones too; where they are, or broke.
+void write_bonds(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
+
 /// write_state FILE STAGE: append one row of the bed's state.
 void write_state_row(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
 

@@ -8,6 +8,7 @@
 #include "bed_state.h"
 #include "comm.h"
 #include "error.h"
+#include "fix_bonds.h"
 #include "fix_multisphere_damped.h"
 #include "force.h"
 #include "update.h"
@@ -38,11 +39,12 @@ void FixProbe::end_of_step() { write_row(); }
 void FixProbe::write_row() {
   last_row_ = update->ntimestep;
   if (FixMultisphereDamped *clumps = dynamic_cast<FixMultisphereDamped *>(ballast::find_clumps(lmp))) clumps->update_spheres();
-  std::vector<double> row(2, 0.0);
+  std::vector<double> row(3, 0.0);
   for (const ballast::Contact &contact : ballast::collect_contacts(lmp)) {
     row[0] += 1.0;
     row[1] += contact.dashpot_at_limit;
   }
+  if (FixBonds *bonds = FixBonds::find(lmp)) row[2] = bonds->compute_vector(1);
   std::vector<int> order(atom->nlocal);
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [this](int a, int b) { return atom->tag[a] < atom->tag[b]; });

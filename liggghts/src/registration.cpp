@@ -24,6 +24,7 @@
 
 #include "commands.h"
 #include "fix_bed_state.h"
+#include "fix_bonds.h"
 #include "fix_history.h"
 #include "fix_load_control.h"
 #include "fix_multisphere_damped.h"
@@ -92,6 +93,7 @@ void register_styles(LAMMPS *lmp) {
   fixes["ballast/stage"] = &create_fix<FixStage>;
   fixes["ballast/load"] = &create_fix<FixLoadControl>;
   fixes["ballast/history"] = &create_fix<FixHistory>;
+  fixes["ballast/bonds"] = &create_fix<FixBonds>;
   fixes["ballast/state"] = &create_fix<FixBedState>;
 
   CommandTable &commands = *(lmp->input->*member_of(CommandTableKey()));
@@ -99,6 +101,7 @@ void register_styles(LAMMPS *lmp) {
   commands["delete_clumps"] = &delete_clumps;
   commands["write_bed"] = &write_bed;
   commands["write_contacts"] = &write_contacts;
+  commands["write_bonds"] = &write_bonds;
   commands["write_state"] = &write_state_row;
   commands["write_checkpoint"] = &write_checkpoint;
   commands["stop_requested"] = &stop_requested;

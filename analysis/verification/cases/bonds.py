@@ -415,8 +415,8 @@ class Clumps:
             self.STEP,
             self.STEPS,
             clumps=(
-                ClumpAt(tuple(place), velocity=(0.0, 0.0, self.SPEED), spin=(2.0, 0.0, 5.0)),
-                ClumpAt(tuple(upper), velocity=(0.1, 0.0, 2 * self.SPEED), spin=(0.0, 3.0, 0.0)),
+                ClumpAt(tuple(map(float, place)), velocity=(0.0, 0.0, self.SPEED), spin=(2.0, 0.0, 5.0)),
+                ClumpAt(tuple(map(float, upper)), velocity=(0.1, 0.0, 2 * self.SPEED), spin=(0.0, 3.0, 0.0)),
             ),
             wall="linear",
         )
