@@ -256,7 +256,7 @@ def build(mutation: Mutation | None, source: Path, folder: Path) -> Path:
 
 
 def copy_scripts(mutation: Mutation, folder: Path) -> Path:
-    """Copy what YADE's scripts need to `folder` and mutate them; return `folder`, which takes the repository's place."""
+    """Copy what YADE needs to `folder`, which takes the place of the repository, and mutate it; return `folder`."""
     for name in ("yade", "analysis"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     mutate(mutation, folder / "yade")
