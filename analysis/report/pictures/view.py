@@ -12,6 +12,7 @@ from analysis.report import style
 from analysis.report.pictures.panels import bed_panel, chain_panel
 from analysis.report.pictures.paraview import write_paraview
 from analysis.report.pictures.scene import ViewError, last_with_contacts, load_scene
+from analysis.scenarios.scenario import join_id, split_id
 
 
 def main(argv: list[str]) -> int:
@@ -23,7 +24,8 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path("results"))
     options = parser.parse_args(argv)
-    run = run_folder(options.results, options.profile, options.scenario, options.code, options.seed)
+    identity = join_id(*split_id(options.scenario))
+    run = run_folder(options.results, options.profile, identity, options.code, options.seed)
     written, reason = [], ""
     for label in ("packed", "before", "after"):
         try:
