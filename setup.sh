@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-packages=(yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++ make python3-venv)
+packages=(yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++ make python3-venv libjemalloc2)
 python=.venv/bin/python
 
 # numpy is loaded, not looked for: it needs the very Python that it was installed for.

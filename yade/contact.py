@@ -1,41 +1,46 @@
 """The contact laws of the paper in stock YADE: materials, functors, and what YADE does otherwise.
 
 Between particles: linear springs (with a dashpot where damping_ratio > 0), or Hertz-Mindlin for the hysteretic model.
-At walls: linear springs. YADE chooses a law by the materials of the two bodies, and no material of its own gives Hertz
-between particles and a linear spring with dashpot at walls. Where walls have a dashpot every sphere is therefore
-doubled: one shell of the clump meets particles only, the other walls only. Collision masks keep them apart.
+At walls: linear springs. YADE chooses a law by the materials of the two bodies, and no pair of materials gives one law
+between particles and another one, or a dashpot, at walls. Where that is asked for every sphere is therefore doubled:
+one shell of the clump meets particles only, the other walls only. Collision masks keep them apart. No class is used
+that YADE has only with PARTIALSAT, which Debian 13 leaves out.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 
-from yade.wrapper import (
-    Bo1_Box_Aabb,
-    Bo1_Sphere_Aabb,
-    Bo1_Wall_Aabb,
-    CohFrictPhys,
-    FrictMat,
-    FrictViscoMat,
-    FrictViscoPhys,
-    Ig2_Box_Sphere_ScGeom,
-    Ig2_Sphere_Sphere_ScGeom,
-    Ig2_Sphere_Sphere_ScGeom6D,
-    Ig2_Wall_Sphere_ScGeom,
-    InsertionSortCollider,
-    InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys,
-    Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
-    Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
-    Ip2_PartialSatMat_PartialSatMat_MindlinPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack,
-    Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
-    Law2_ScGeom_MindlinPhys_Mindlin,
-    MatchMaker,
-    MindlinPhys,
-    Omega,
-    PartialSatMat,
-)
+try:
+    from yade.wrapper import (
+        Bo1_Box_Aabb,
+        Bo1_Sphere_Aabb,
+        Bo1_Wall_Aabb,
+        CohFrictPhys,
+        FrictMat,
+        FrictViscoMat,
+        FrictViscoPhys,
+        Ig2_Box_Sphere_ScGeom,
+        Ig2_Sphere_Sphere_ScGeom,
+        Ig2_Sphere_Sphere_ScGeom6D,
+        Ig2_Wall_Sphere_ScGeom,
+        InsertionSortCollider,
+        InteractionLoop,
+        Ip2_FrictMat_FrictMat_FrictPhys,
+        Ip2_FrictMat_FrictMat_MindlinPhys,
+        Ip2_FrictMat_FrictViscoMat_FrictViscoPhys,
+        Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
+        Law2_ScGeom_FrictPhys_CundallStrack,
+        Law2_ScGeom_FrictViscoPhys_CundallStrackVisco,
+        Law2_ScGeom_MindlinPhys_Mindlin,
+        MatchMaker,
+        MindlinPhys,
+        Omega,
+    )
+except ImportError as error:  # a YADE that was built without them
+    print(f"ERROR: yade: {error}; install Debian's package yade", flush=True)
+    sys.exit(1)
 
 import bond
 from analysis import laws
@@ -67,8 +72,8 @@ class ContactLaw:
         if model == "hysteretic":
             shear = scenario["contact.particle_particle.shear_modulus"]
             poisson = scenario["contact.particle_particle.poisson_ratio"]
-            particle = PartialSatMat(young=2 * shear * (1 + poisson), poisson=poisson)
-            self._between = Ip2_PartialSatMat_PartialSatMat_MindlinPhys()
+            particle = FrictMat(young=2 * shear * (1 + poisson), poisson=poisson)
+            self._between = Ip2_FrictMat_FrictMat_MindlinPhys()
             restitution = effective_restitution(scenario)
             if restitution < 1:
                 # es = 1: no dashpot in shear, which YADE would otherwise add
@@ -86,7 +91,7 @@ class ContactLaw:
         self.side_material = "wall"
         if scenario["contact.side_friction_share"] != 1:
             self.side, self.side_material = O.materials.append(FrictMat(density=density, label="side")), "side"
-        if wall_damping > 0:
+        if wall_damping > 0 or model == "hysteretic":
             self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
             self.shells = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS))
             self.wall_mask = MEETS_WALLS | IS_WALL
@@ -122,7 +127,7 @@ class ContactLaw:
             for pair in ("particle_particle", "particle_wall")
         )
         for functor in self._functors:
-            if isinstance(functor, Ip2_PartialSatMat_PartialSatMat_MindlinPhys):
+            if isinstance(functor, Ip2_FrictMat_FrictMat_MindlinPhys):
                 continue
             functor.kn = self._pairs(kn, wall_kn)
             if isinstance(functor, Ip2_FrictMat_FrictMat_FrictPhys):

@@ -24,12 +24,8 @@ from state import write_contacts  # noqa: E402
 O = Omega()
 
 
-def load(run: stage.Stage, checkpoint: Path) -> None:
-    """Take the simulation from a checkpoint: bodies, contacts and engines; the Python around them is made anew."""
-    try:
-        O.load(str(checkpoint))
-    except RuntimeError:
-        raise stage.StageError(f"cyclic: {checkpoint.name} cannot be read; start from an earlier checkpoint") from None
+def restore(run: stage.Stage) -> None:
+    """Make the Python side anew, around a simulation that YADE has just loaded."""
     run.collider.targetInterv = SAME_REACH  # for checkpoints that older versions wrote
     s = run.scenario
     run.step = int(O.tags["step"])
@@ -39,18 +35,34 @@ def load(run: stage.Stage, checkpoint: Path) -> None:
     run.bonds = Bonds(s, O.tags["bonds"]) if "bonds" in O.tags.keys() else None  # noqa: SIM118 (tags are no dict)
 
 
-def save(run: stage.Stage, name: str) -> None:
-    """Write a checkpoint and go on from it: a run that was not interrupted takes the same path as a resumed one."""
-    load(run, run.save(name))
+def load(run: stage.Stage, checkpoint: Path) -> None:
+    """Take the simulation from a checkpoint: bodies, contacts and engines."""
+    try:
+        O.load(str(checkpoint))
+    except RuntimeError:
+        raise stage.StageError(f"cyclic: {checkpoint.name} cannot be read; start from an earlier checkpoint") from None
+    restore(run)
+
+
+def begin_again(run: stage.Stage) -> None:
+    """Save the simulation in memory and go on from there, as a run does that starts from this moment's checkpoint."""
+    run.note_python_side()
+    O.saveTmp(quiet=True)
+    O.loadTmp(quiet=True)
+    restore(run)
 
 
 def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
-    """Load cycle by cycle; every cycle is a few blocks, after each of which the run can be stopped."""
+    """Load cycle by cycle; every cycle is a few blocks, after each of which the run can be stopped.
+
+    Every cycle begins from a loaded state, so that it does not matter whether the run was stopped before it. A stop
+    drops the blocks of the cycle that is not complete.
+    """
     s, grid = run.scenario, run.grid
     if checkpoint is None:
         raise stage.StageError("cyclic: give the checkpoint to start from, at first checkpoints/cyclic_000000.yade.gz")
     load(run, checkpoint)
-    run.newton.damping = s["loading.local_damping"]
+    run.newton.damping = 0.0
     if run.step == 0:
         run.control.start_file()
     else:
@@ -59,7 +71,10 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
 
     blocks, cycles, keep = s["output.blocks_per_cycle"], s["loading.cycles"], s["output.keep_beds"]
     done = run.step // grid.steps_per_block
+    saved = done // blocks  # the last complete cycle that has a checkpoint
     for block in range(done + 1, cycles * blocks + 1):
+        if run.stop_requested:
+            stop(run, (block - 1) // blocks, saved)
         # Step 0 is a row of its own, so the first block has one step more; every block ends with the row closing it.
         run.advance(block * grid.steps_per_block + 1 - run.control.n)
         cycle, part = divmod(block, blocks)
@@ -69,14 +84,20 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
                 if run.bonds:
                     run.bonds.write(run.bed, run.raw(f"bonds_cycle_{cycle:06d}.csv"))
             run.bed.write(run.raw(f"bed_cycle_{cycle:06d}.csv"))
+            begin_again(run)
             if cycle % s["output.checkpoint_cycles"] == 0 or cycle == cycles:
-                save(run, f"cyclic_{cycle:06d}")
-                continue
-        if run.stop_requested:
-            name = f"cyclic_{cycle:06d}_block{part}"
-            run.save(name)
-            print(f"cyclic: stopped on request after cycle {cycle}, block {part}", flush=True)
-            sys.exit(stage.STOPPED)
+                run.save(f"cyclic_{cycle:06d}")
+                saved = cycle
+
+
+def stop(run: stage.Stage, cycle: int, saved: int) -> None:
+    """End the program; the run goes on from the end of `cycle`, whose checkpoint is written unless it is `saved`."""
+    if cycle > saved:
+        O.loadTmp(quiet=True)
+        restore(run)
+        run.save(f"cyclic_{cycle:06d}")
+    print(f"cyclic: stopped on request; goes on from the end of cycle {cycle}", flush=True)
+    sys.exit(stage.STOPPED)
 
 
 stage.main("cyclic", cyclic)

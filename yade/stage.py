@@ -155,15 +155,19 @@ class Stage:
         else:
             write_aside(self.raw("state.csv"), StateRow.header())
 
-    def save(self, name: str) -> Path:
-        """Write checkpoints/<name>.yade.gz, aside and then renamed, with what the Python side must know in its tags."""
-        folder = self.run / "checkpoints"
+    def note_python_side(self) -> None:
+        """Put into YADE's tags what the Python side must know after a load."""
         O.tags["step"] = str(self.step)
         O.tags["clumps"] = json.dumps(self.bed.numbers)
         O.tags["load_control"] = json.dumps(self.control.memory())
         if self.bonds:
             O.tags["bonds"] = self.bonds.memory()
         O.interactions.serializeSorted = True  # contacts in the order of bodies: a tenth faster after the load
+
+    def save(self, name: str) -> Path:
+        """Write checkpoints/<name>.yade.gz, aside and then renamed."""
+        self.note_python_side()
+        folder = self.run / "checkpoints"
         aside = folder / f"partial_{name}.yade.gz"  # YADE compresses by the ending
         _reserve(aside, CHECKPOINT_BYTES_PER_CLUMP * (len(self.bed.numbers) + 20))
         faulthandler.dump_traceback_later(SAVE_TIME_LIMIT_S, exit=True)

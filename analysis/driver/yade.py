@@ -8,7 +8,10 @@ import subprocess
 from pathlib import Path
 
 from analysis.driver.engine import EngineError, package_version, write_common_inputs
+from analysis.files import ROOT
 from analysis.scenarios.scenario import Scenario
+
+LAUNCHER = ROOT / "yade" / "launch.sh"  # `yade` on faster memory
 
 
 class Yade:
@@ -30,7 +33,8 @@ class Yade:
         write_common_inputs(scenario, folder, seed)
 
     def command(self, stage: str, folder: Path, checkpoint: Path | None = None, ranks: int = 1) -> list[str]:
-        return ["yade", f"-j{ranks}", "-n", "-x", f"yade/{stage}.py", *map(str, filter(None, (folder, checkpoint)))]
+        script = f"yade/{stage}.py"
+        return [str(LAUNCHER), f"-j{ranks}", "-n", "-x", script, *map(str, filter(None, (folder, checkpoint)))]
 
 
 @functools.cache
