@@ -62,7 +62,7 @@ def cyclic(run: stage.Stage, checkpoint: Path | None) -> None:
     if checkpoint is None:
         raise stage.StageError("cyclic: give the checkpoint to start from, at first checkpoints/cyclic_000000.yade.gz")
     load(run, checkpoint)
-    run.newton.damping = 0.0
+    run.newton.damping = s["loading.local_damping"]
     if run.step == 0:
         run.control.start_file()
     else:

@@ -86,8 +86,8 @@ O.bodies.append(
 
 def block(it) -> int:
     """A held box; its id."""
-    centre = [(low + high) / 2 for low, high in zip(it.low, it.high)]
-    half = [(high - low) / 2 for low, high in zip(it.low, it.high)]
+    centre = [(low + high) / 2 for low, high in zip(it.low, it.high, strict=True)]
+    half = [(high - low) / 2 for low, high in zip(it.low, it.high, strict=True)]
     return O.bodies.append(utils.box(centre, half, fixed=True, material=plane))
 
 
