@@ -96,8 +96,8 @@ sanitize: setup ## the verification of LIGGGHTS with address and undefined-behav
 	@$(ANALYSIS) verify --code liggghts --host liggghts/build/ballast-sanitize --out report/sanitize
 calibrate: setup ## clumps, porosity and settlement over lattice gaps and clump aspects (hours)
 	@$(ANALYSIS) calibrate --results="$$RESULTS"
-bench: setup ## steps per second of both codes, one after the other
-	@$(ANALYSIS) bench --profile="$$PROFILE" --ranks="$$NP" --results="$$RESULTS"
+bench: setup ## speeds in processor time: ours, stock LIGGGHTS, a stock YADE script: make bench PROFILE=full
+	@$(ANALYSIS) bench --profile="$$PROFILE" --results="$$RESULTS"
 
 ## Housekeeping
 setup: ## packages, Python environment and LIGGGHTS host, where missing

@@ -49,6 +49,11 @@ class EngineProcess:
             )
         self._is_launcher = Path(argv[0]).name == "mpirun"
 
+    @property
+    def pid(self) -> int:
+        """Of the process, or of the launcher of its ranks."""
+        return self._process.pid
+
     def wait(self, seconds: float) -> int | None:
         """Exit code, or None where it still runs after `seconds`."""
         try:
@@ -58,12 +63,12 @@ class EngineProcess:
 
     def ask_to_stop(self) -> None:
         """Ask for a checkpoint and an orderly end: the ranks themselves, as mpirun would kill them on a signal."""
-        targets = _descendants(self._process.pid) if self._is_launcher else [self._process.pid]
+        targets = descendants(self._process.pid) if self._is_launcher else [self._process.pid]
         _signal(targets, signal.SIGTERM)
 
     def kill(self) -> None:
         """End it at once, with everything that it started."""
-        _signal([*_descendants(self._process.pid), self._process.pid], signal.SIGKILL)
+        _signal([*descendants(self._process.pid), self._process.pid], signal.SIGKILL)
         self._process.wait()
 
     def last_output(self) -> str:
@@ -74,14 +79,15 @@ class EngineProcess:
             return file.read().decode(errors="replace")
 
 
-def _descendants(pid: int) -> list[int]:
+def descendants(pid: int) -> list[int]:
+    """Processes that a process has started, and theirs."""
     children = []
     for entry in Path(f"/proc/{pid}/task").glob("*/children"):
         try:
             children += map(int, entry.read_text().split())
         except OSError:  # a thread or process that has just ended
             continue
-    return [each for child in children for each in (child, *_descendants(child))]
+    return [each for child in children for each in (child, *descendants(child))]
 
 
 def _signal(pids: list[int], number: int) -> None:
