@@ -35,6 +35,19 @@ def refuse_place(settings: RunSettings, engine: Engine) -> None:
         raise RunError(f"{settings.title} | {reason}")
 
 
+def refuse_step(settings: RunSettings) -> None:
+    """RunError where the step is too near to the critical one of the preloaded bed, which stages.json tells."""
+    from analysis.normalised.critical_step import LARGEST_SHARE  # here: their libraries take a second to load
+    from analysis.normalised.stages import read_stages
+
+    preload = read_stages(settings.folder, lambda problem: None).get("preload", {})
+    if (share := preload.get("step_share", 0.0)) > LARGEST_SHARE:
+        raise RunError(
+            f"the step is {share:.2f} of the critical one of this bed, {preload['critical_step_s']:.3g} s; at most "
+            f"{LARGEST_SHARE:g} is allowed: choose a smaller time.verified_step or time.factor"
+        )
+
+
 def path_for_engine(path):
     """A path as the engine gets it: relative to the repository, where it starts, if it is inside."""
     return path.relative_to(ROOT) if path.is_relative_to(ROOT) else path

@@ -221,6 +221,7 @@ class Run:
         checkpoints.forget_after(self.kept, start)
         cut_stage(self.raw, "cyclic", start.step(self.grid))
         self.normaliser.rewind(start.cycle)
+        refusal.refuse_step(self.settings)
         if "cyclic" in self.record.body.steps:
             self.record.body.resumes.append({"stage": "cyclic", "cycle": start.cycle, "block": start.block})
             self.progress.say(f"goes on from {start} of {self.cycles}")

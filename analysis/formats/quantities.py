@@ -145,6 +145,15 @@ _ROWS = (
     ),
     Quantity("porosity_mean", "-", "porosity, mean of spheres", 0, 1, "mean over the three measurement spheres"),
     Quantity(
+        "critical_step_s",
+        "s",
+        "critical time step",
+        0,
+        1,
+        "2 over the largest frequency of the preloaded bed, its contacts as stiff as under the largest stress",
+    ),
+    Quantity("step_share", "-", "share of the critical step", 0, 100, "time step of the run over the critical one"),
+    Quantity(
         "coordination_number",
         "-",
         "contacts per clump",

@@ -3,7 +3,8 @@
     packing   the bed that preload started from: clumps, porosity_1 to _3 and mean, contacts and overlaps, mean contact
               force (where this run packed it), and bed_sha256, which tells whether two runs began from the same bed
     preload   the same at its end, with the sleeper's settlement_m (downward) and lateral_1_m to _5_m (outward) since
-              the beginning of preload; both count from zero again in cyclic loading
+              the beginning of preload; both count from zero again in cyclic loading; and critical_step_s of that bed
+              with step_share, the run's own step over it
 
 A function of the raw files only. Not having a file costs what is in it: those values are left out.
 """
@@ -18,7 +19,7 @@ from pathlib import Path
 from analysis import files
 from analysis.formats import file_columns
 from analysis.formats.quantities import QUANTITIES
-from analysis.normalised import beds, microstructure, porosity
+from analysis.normalised import beds, critical_step, microstructure, porosity
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -40,6 +41,11 @@ def write_stages(
             forces = microstructure.force_measures(microstructure.read_contacts(contacts_file))
             if "normal_force_mean_N" in forces:
                 stages[stage]["normal_force_mean_N"] = forces["normal_force_mean_N"]
+            if stage == "preload" and (critical := critical_step.measure(bed_file, contacts_file, scenario, moved)):
+                stages[stage] |= {
+                    "critical_step_s": critical,
+                    "step_share": derived.time_grid(scenario).step_s / critical,
+                }
         stages[stage]["bed_sha256"] = hashlib.sha256(bed_file.read_bytes()).hexdigest()
     files.write_aside(folder / FILE, json.dumps(stages, indent=1) + "\n")
 

@@ -1,4 +1,4 @@
-"""Beds for speed: a preloaded bed, or mirror images of it side by side, cut to the width that holds a number of clumps."""
+"""Beds for speed: a preloaded bed, or mirror images of it side by side, cut to the width that is asked for."""
 
 from __future__ import annotations
 

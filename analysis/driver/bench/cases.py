@@ -11,8 +11,9 @@ from pathlib import Path
 from analysis.driver.bench import stock
 from analysis.driver.bench.beds import Preloaded, bench_scenario, write_widened
 from analysis.driver.bench.meter import Speed, measure
-from analysis.driver.engines import CHECKPOINT_SUFFIX, EngineError, command, write_inputs
-from analysis.driver.process import Engine
+from analysis.driver.engine import EngineError
+from analysis.driver.engines import ENGINES
+from analysis.driver.process import EngineProcess
 from analysis.files import ROOT
 from analysis.scenarios import derived
 
@@ -62,21 +63,21 @@ class Case:
     @property
     def checkpoint(self) -> Path:
         """From which the engine starts."""
-        return self.folder / "checkpoints" / f"cyclic_000000.{CHECKPOINT_SUFFIX[self.code]}"
+        return self.folder / "checkpoints" / f"cyclic_000000.{ENGINES[self.code].checkpoint_suffix}"
 
     def prepare(self) -> None:
         """Make all files that timing needs, once: inputs, bed and checkpoint. EngineError where the engine fails."""
-        write_inputs(self.scenario, self.folder, 1)
+        ENGINES[self.code].write_inputs(self.scenario, self.folder, 1)
         packed = self.folder / "raw" / "bed_packed.csv"
         self.clumps = write_widened(self.bed.bed, self.scenario, self.width, packed)
         if self.who == "stock":
             if self.code == "liggghts":
                 stock.write_case(self.scenario, self.bed, self.folder)
         elif not self.checkpoint.exists():
-            self._finish(command(self.code, "preload", self.folder))
+            self._finish(ENGINES[self.code].command("preload", self.folder))
 
     def _finish(self, argv: list[str]) -> None:
-        engine = Engine(argv, self.folder / "log" / "preload.log")
+        engine = EngineProcess(argv, self.folder / "log" / "preload.log")
         try:
             while (code := engine.wait(1.0)) is None:
                 pass
@@ -88,7 +89,7 @@ class Case:
     def argv(self) -> list[str]:
         """The command that is timed."""
         if self.who != "stock":
-            return command(self.code, "cyclic", self.folder, self.checkpoint, self.ranks)
+            return ENGINES[self.code].command("cyclic", self.folder, self.checkpoint, self.ranks)
         if self.code == "liggghts":
             return stock.command(self.scenario, self.folder)
         packed = self.folder / "raw" / "bed_packed.csv"
@@ -111,8 +112,3 @@ class Case:
         if done.returncode or not found:
             raise EngineError(f"{STOCK_SCRIPT}: {(done.stdout + done.stderr).strip().splitlines()[-1]}")
         return Speed(int(found[1]), float(found[2]), float("nan"))
-
-
-def cases(names, codes, bed_of, work: Path, profile: str) -> list[Case]:
-    """All of the comparison, in the order in which they are timed: what a ratio is made of stands side by side."""
-    return [Case(code, name, who, bed_of(name), work, profile) for code in codes for name in names for who in WHO]

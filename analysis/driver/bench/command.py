@@ -9,73 +9,90 @@ Speeds count processor time, because machines are shared. They still depend on w
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.driver import run
+from analysis.driver import options
 from analysis.driver.bench import tables
 from analysis.driver.bench.beds import Preloaded
-from analysis.driver.bench.cases import Case, cases
-from analysis.driver.engines import CODES, EngineError
+from analysis.driver.bench.cases import WHO, Case
+from analysis.driver.engine import EngineError
+from analysis.driver.engines import CODES, LIGGGHTS
+from analysis.driver.run import run
+from analysis.driver.settings import RESULTS, RunSettings
 from analysis.files import ROOT
 from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
+from analysis.scenarios.scenario import load_scenario
 from analysis.scenarios.study import key_scenarios
 
 CLUMPS = (500, 1500, 4573, 15000)
 RANKS = (1, 2)
+WORK = ROOT / "report" / "benchmark"
 
 
 def preloaded(name: str, profile: str, results: Path) -> Preloaded:
     """The preloaded bed of a scenario, made where it is missing. SystemExit where it cannot be made."""
-    folder = run.run_folder(results, profile, name, "liggghts", 1)
-    if not Preloaded(folder).bed.exists() and run.main(
-        [name, "--code", "liggghts", "--profile", profile, "--results", str(results), "--until", "preload"]
-    ):
+    settings = RunSettings(load_scenario(name, profile), LIGGGHTS.name, results=results, until="preload")
+    bed = Preloaded(settings.folder)
+    if not bed.bed.exists() and run(settings):
         raise SystemExit(1)
-    return Preloaded(folder)
+    return bed
 
 
-def main(argv: list[str]) -> int:
-    """Command line of `make bench`."""
-    parser = Parser(prog="python -m analysis bench", description="Steps per second of processor time, side by side.")
+def add_arguments(parser: Parser) -> None:
+    """Arguments of `ballast bench`."""
     parser.add_argument("--profile", default="demo")
-    parser.add_argument("--repeats", type=int, default=3, help="timings of each (default 3)")
+    parser.add_argument("--repeats", type=options.whole, default=3, help="timings of each (default 3)")
     parser.add_argument("--codes", nargs="+", choices=CODES, default=list(CODES))
     parser.add_argument("--scenario", nargs="+", default=list(key_scenarios()), help="scenarios, one for each law")
     parser.add_argument("--what", nargs="+", choices=("compare", "sizes"), default=["compare", "sizes"])
-    parser.add_argument("--results", type=Path, default=ROOT / "results", help="where preloaded beds may be found")
-    parser.add_argument("--work", type=Path, default=ROOT / "report" / "benchmark", help="folder of what is timed")
-    options = parser.parse_args(argv)
-    work = options.work.resolve() / options.profile
+    parser.add_argument("--results", type=options.path, default=RESULTS, help="where preloaded beds may be found")
+    parser.add_argument("--work", type=options.path, default=WORK, help="folder of what is timed")
+
+
+def execute(chosen: argparse.Namespace) -> int:
+    """`ballast bench`."""
+    work = chosen.work / chosen.profile
     work.mkdir(parents=True, exist_ok=True)
+    compare, by_size = work / "timings.csv", work / "sizes.csv"
     try:
-        beds = {name: preloaded(name, options.profile, options.results.resolve()) for name in options.scenario}
-        if "compare" in options.what:
-            found = cases(options.scenario, options.codes, beds.__getitem__, work, options.profile)
-            repeat(found, options.repeats, work / "timings.csv")
-        if "sizes" in options.what:
-            found = [
-                Case(code, name, "paper", beds[name], work, options.profile, clumps / CLUMPS[2], ranks)
-                for name in options.scenario[-1:]
-                for code in options.codes
-                for clumps in CLUMPS
-                for ranks in (RANKS if clumps == CLUMPS[2] else RANKS[:1])
-            ]
-            repeat(found, options.repeats, work / "sizes.csv")
+        beds = {name: preloaded(name, chosen.profile, chosen.results) for name in chosen.scenario}
+        if "compare" in chosen.what:
+            repeat(comparison_cases(beds, chosen.codes, work, chosen.profile), chosen.repeats, compare)
+        if "sizes" in chosen.what:
+            name = chosen.scenario[-1]
+            repeat(size_cases(name, beds[name], chosen.codes, work, chosen.profile), chosen.repeats, by_size)
     except EngineError as error:
         print(f"bench: {error}", file=sys.stderr)
         return 1
-    if options.profile == "full":
-        rows = tables.write(work / "timings.csv", work / "sizes.csv")
-    else:
-        rows = tables.comparison(tables.read_timings(work / "timings.csv"), [])
+    rows = (
+        tables.write(compare, by_size)
+        if chosen.profile == "full"
+        else tables.comparison(tables.read_timings(compare), [])
+    )
     print(f"{'case':20} {'code':9} {'law':10} {'steps per cpu second':>20} {'ratio':>7}")
     for case, code, law, speed, ratio in rows:
         print(f"{case:20} {code:9} {law:10} {speed:20.1f} {ratio:7.3f}")
     return 0
+
+
+def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[Case]:
+    """All of the comparison, in the order in which they are timed: what a ratio is made of stands side by side."""
+    return [Case(code, name, who, bed, work, profile) for code in codes for name, bed in beds.items() for who in WHO]
+
+
+def size_cases(name: str, bed: Preloaded, codes: list[str], work: Path, profile: str) -> list[Case]:
+    """Beds of other widths on one rank, and the bed itself on two; of one law, with the paper's step."""
+    return [
+        Case(code, name, "paper", bed, work, profile, clumps / CLUMPS[2], ranks)
+        for code in codes
+        for clumps in CLUMPS
+        for ranks in (RANKS if clumps == CLUMPS[2] else RANKS[:1])
+    ]
 
 
 def repeat(found: list[Case], repeats: int, file: Path) -> None:
@@ -93,8 +110,7 @@ def repeat(found: list[Case], repeats: int, file: Path) -> None:
             table.append([(*row, speed.cpu_s, speed.wall_s, os.getloadavg()[0])])
             print(
                 f"{case.code} {case.law} {case.who}, {case.clumps} clumps, {case.ranks} rank(s): "
-                f"{speed.steps / speed.cpu_s:.0f} steps per processor second, {speed.steps / speed.wall_s:.0f} on the clock",
+                f"{speed.steps / speed.cpu_s:.0f} steps per processor second, "
+                f"{speed.steps / speed.wall_s:.0f} by the clock",
                 flush=True,
             )
-
-

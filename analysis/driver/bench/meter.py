@@ -8,8 +8,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.driver.engines import EngineError
-from analysis.driver.process import Engine, descendants
+from analysis.driver.engine import EngineError
+from analysis.driver.process import EngineProcess, descendants
 
 POLL_S = 0.005
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
@@ -43,7 +43,7 @@ def measure(argv: list[str], log: Path, rows: Path, steps: int, threads: int = 1
     Raises EngineError where the engine ends before that.
     """
     rows.unlink(missing_ok=True)
-    engine, first = Engine(argv, log, threads), None
+    engine, first = EngineProcess(argv, log, threads), None
     try:
         while True:
             ended = engine.wait(POLL_S) is not None

@@ -1,6 +1,6 @@
 """The case of the stock LIGGGHTS deck (liggghts/stock.in): parameters, the bed as a restart file, boxes as STL.
 
-Stock LIGGGHTS knows walls as triangles only. The boxes stand where the preload of a run of ours left sleeper and plates.
+Stock LIGGGHTS moves walls as triangles only. The boxes stand where the preload of our run left sleeper and plates.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import subprocess
 from pathlib import Path
 
 from analysis.driver.bench.beds import Preloaded
-from analysis.driver.engines import HOST, EngineError
+from analysis.driver.engine import EngineError
+from analysis.driver.liggghts import HOST
 from analysis.files import ROOT, write_aside
 from analysis.formats.quantities import PLATES
 from analysis.scenarios import derived

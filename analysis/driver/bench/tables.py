@@ -9,7 +9,7 @@ from collections import defaultdict
 from pathlib import Path
 
 from analysis.files import ROOT, write_csv
-from analysis.formats.toml_file import read_toml
+from analysis.formats import toml_file
 
 RUNS = ROOT / "reference_data" / "runs"
 TABLE, SIZES = RUNS / "benchmark.csv", RUNS / "benchmark_sizes.csv"
@@ -62,7 +62,7 @@ def comparison(timings: list[dict], baseline: list[dict]) -> list[tuple]:
 
 def read_baseline() -> list[dict]:
     """Speeds of the commit that ours are compared with, recorded beside stock's: see the file."""
-    return read_toml(BASELINE)["speed"]
+    return toml_file.read(BASELINE)["speed"]
 
 
 def sizes(timings: list[dict]) -> list[tuple]:
