@@ -128,7 +128,7 @@ def test_the_same_run_twice_counts_once(tmp_path):
 
 def test_tables_are_written_as_csv_that_reads_back(found, tmp_path):
     for path in found.write(tmp_path):
-        if path.read_text().strip():
+        if path.read_text().strip() and path.stem != "columns":
             assert len(pd.read_csv(path)) == len(found.frames()[path.stem])
 
 

@@ -5,18 +5,18 @@ The same runs give the same files. Figures lie in `figures/` beside the pages, e
 
 from __future__ import annotations
 
+import re
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-import jinja2
-
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
-from analysis.comparison.quantities import last_cycle
-from analysis.driver import calibrate, provenance
+from analysis.comparison.findings.members import choose
+from analysis.driver import provenance
 from analysis.files import ROOT, write_aside
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
@@ -26,23 +26,43 @@ from analysis.report.figure import Gallery
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.claims import claims_page
 from analysis.report.pages.comparison import comparison
+from analysis.report.pages.demo import demo_page
+from analysis.report.pages.influence import influence_page
 from analysis.report.pages.overview import overview
 from analysis.report.pages.paper_figures import paper_figures
 from analysis.report.pages.runs import runs_page
+from analysis.report.pages.servo import servo_page
 from analysis.report.pages.verification import verification
 from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
+from analysis.report.sentences import TEMPLATES, environment
 from analysis.scenarios.scenario import ScenarioError
 
-TEMPLATES = Path(__file__).resolve().parent / "templates"
 KEPT_RUNS = REFERENCE_FOLDER / "runs"
+FIGURES, TABLES = "hover.js", "sort.js"
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of the site: its content, a dictionary for the template of the same file, is None where it has nothing."""
+
+    file: str
+    name: str
+    title: str
+    content: Callable[[ReportData], dict | None]
+    scripts: tuple[str, ...] = (FIGURES, TABLES)
+
+
 PAGES = (
-    ("index.html", "Overview", "Overview", overview, "hover.js"),
-    ("figures.html", "Figures", "The paper's figures", paper_figures, "hover.js"),
-    ("comparison.html", "Comparison", "YADE against LIGGGHTS", comparison, "hover.js"),
-    ("claims.html", "Claims", "The paper's claims", claims_page, ""),
-    ("verification.html", "Verification", "Verification", verification, "hover.js"),
-    ("runs.html", "Runs", "Runs and provenance", runs_page, "hover.js"),
-    ("assumptions.html", "Assumptions", "Assumptions", assumptions, "filter.js"),
+    Page("index.html", "Overview", "Overview", overview),
+    Page("figures.html", "Figures", "The paper's figures", paper_figures),
+    Page("comparison.html", "Codes", "YADE against LIGGGHTS", comparison),
+    Page("claims.html", "Claims", "The paper's claims", claims_page),
+    Page("servo.html", "The servo", "What PFC's servo makes of the load", servo_page),
+    Page("influence.html", "Influence", "What the paper leaves out", influence_page),
+    Page("verification.html", "Verification", "Verification", verification),
+    Page("runs.html", "Runs", "Runs and provenance", runs_page),
+    Page("assumptions.html", "Assumptions", "Assumptions", assumptions, (FIGURES, TABLES, "filter.js")),
+    Page("demo.html", "Demo", "The demo", demo_page),
 )
 
 
@@ -79,19 +99,18 @@ def build(
     kept = load_runs(kept_runs)
     for run in kept:
         run.id = f"kept/{run.id}"
-    found = [*load_runs(results), *kept]
-    runs, left_out = choose([run for run in found if not is_variant(run)])
-    variants = without_copies(run for run in found if is_variant(run))
+    chosen, left_out = choose([*load_runs(results), *kept])
+    chosen = Runs(sorted(chosen, key=_order()))
     verification, problems = verification_rows(out)
     for line in problems:
         print(f"warning: {line}", file=sys.stderr)
     stamp = version_stamp()
     references = load_references(reference_folder)
-    problems += runs.problems
-    gallery = Gallery(out / "figures", stamp, runs, references, known_scenarios(), problems)
+    problems += chosen.problems
+    gallery = Gallery(out / "figures", stamp, chosen, references, known_scenarios(), problems)
     data = ReportData(
-        runs,
-        variants,
+        Runs(run for run in chosen if not is_variant(run)),
+        Runs(run for run in chosen if is_variant(run)),
         left_out,
         references,
         gallery,
@@ -99,58 +118,26 @@ def build(
         out / "verification",
         problems,
         shown_path(results),
-        kept_runs / calibrate.TABLE.name,
+        kept_runs,
     )
     with style.settings():
         write_pages(data, out, stamp)
+    data.findings.write(out / "findings")
     for path in (out / "figures").iterdir():
         if path.stem not in {panel.name for figure in gallery.figures for panel in figure.panels}:
             path.unlink()  # of a figure that this report no longer has
     return data
 
 
-def without_copies(variants: Iterable[Run]) -> Runs:
-    """The longest of runs that differ in nothing a comparison asks for, such as a run and its committed copy."""
-    best: dict[tuple, Run] = {}
-    for run in variants:
-        step = run.scenario["time.step"] if run.scenario else None
-        key = (*run.identity.values(), run.info.get("bed"), step)
-        if key not in best or last_cycle(run) > last_cycle(best[key]):
-            best[key] = run
-    return Runs(best.values())
-
-
-def choose(runs: list[Run]) -> tuple[Runs, list[tuple[Run, str]]]:
-    """One run for each profile, scenario, code and seed: the longest, of equals the first; and why the others are
-    left out.
-    """
-    best: dict[tuple, Run] = {}
-    for run in runs:
-        key = tuple(run.identity.values())
-        if key not in best or last_cycle(run) > last_cycle(best[key]):
-            best[key] = run
-    kept = {id(run) for run in best.values()}
-    left_out = [
-        (
-            run,
-            f"{best[tuple(run.identity.values())].id} is the same scenario, code and seed and goes at least as far",
-        )
-        for run in runs
-        if id(run) not in kept
-    ]
+def _order() -> Callable[[Run], tuple]:
+    """Full size first, then in the order of the scenario file, readings of one scenario beside each other."""
     order = {name: n for n, name in enumerate(known_scenarios())}
-    chosen = sorted(
-        best.values(),
-        key=lambda r: (
-            r.profile != "full",
-            r.profile,
-            order.get(r.scenario_name, len(order)),
-            r.scenario_name,
-            r.code,
-            r.seed,
-        ),
-    )
-    return Runs(chosen), left_out
+
+    def key(run: Run) -> tuple:
+        place = order.get(run.base_name, len(order))
+        return run.profile != "full", run.profile, place, run.scenario_name, run.code, run.seed
+
+    return key
 
 
 def version_stamp() -> str:
@@ -172,31 +159,33 @@ def shown_path(path: Path) -> str:
 
 
 def write_pages(data: ReportData, out: Path, stamp: str) -> None:
-    """Render all pages; styles and scripts are written into each."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=jinja2.select_autoescape(),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.ChainableUndefined,
-    )
-    environment.globals["zip"] = zip
-    contents = {
-        file: content(data) for file, _, _, content, _ in PAGES
-    }  # all figures are drawn before the colours are listed
+    """Render all pages that have something to say; styles and scripts are written into each."""
+    templates = environment()
+    contents = {page: page.content(data) for page in PAGES}  # all figures are drawn before the colours are listed
+    shown = [page for page in PAGES if contents[page] is not None]
     variables = style.colour_variables()
-    css = environment.get_template("style.css").render(
+    css = templates.get_template("style.css").render(
         light_variables="\n".join(f"  {name}: {light};" for name, (light, _) in variables.items()),
         dark_variables="\n".join(f"    {name}: {dark};" for name, (_, dark) in variables.items()),
     )
-    links = [{"file": file, "name": name} for file, name, *_ in PAGES]
-    for file, name, title, _, script in PAGES:
-        text = environment.get_template(file).render(
-            page={"file": file, "name": name, "title": title},
-            pages=links,
+    for page in shown:
+        text = templates.get_template(page.file).render(
+            page=page,
+            pages=shown,
             css=css,
             stamp=stamp,
-            script=(TEMPLATES / script).read_text() if script else "",
-            **contents[file],
+            scripts=[(TEMPLATES / name).read_text() for name in page.scripts],
+            **contents[page],
         )
-        write_aside(out / file, text + "\n")
+        write_aside(out / page.file, with_contents(text) + "\n")
+    for page in PAGES:
+        if page not in shown:
+            (out / page.file).unlink(missing_ok=True)
+
+
+def with_contents(text: str) -> str:
+    """The page with a list of its sections where it asks for one."""
+    sections = re.findall(r'<h2 id="([^"]+)">(.*?) <a ', text)
+    entries = "".join(f'<li><a href="#{name}">{title}</a></li>' for name, title in sections)
+    listed = f'<nav class="toc" aria-label="On this page"><ul>{entries}</ul></nav>' if len(sections) > 2 else ""
+    return text.replace("<!-- contents -->", listed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -37,38 +37,45 @@ def draw(
     colour: str | None = None,
     name: str | None = None,
     tag: str | None = None,
+    seeds: Mapping[int, pd.Series] | None = None,
     **look,
 ) -> None:
-    """One curve (index = abscissa; value, low, high in SI) with its band, markers, end label and hover values."""
-    if table.empty:
+    """One curve (index = abscissa; value, low, high in SI) with its band, markers, end label and hover values.
+
+    seeds   values of each packing seed: drawn thin to their own ends, while `table`, their mean, ends where one does
+    """
+    seeds = {seed: values for seed, values in (seeds or {}).items() if len(values)}
+    if table.empty and not seeds:
         return
     colour, name, tag = colour or curve.colour, name or curve.label, tag or curve.tag
     x, y = table.index.to_numpy(float), factor * table["value"].to_numpy()
     kept = thin(x)
     x, y = x[kept], y[kept]
     if (table["high"] > table["low"]).any():
-        c.axes.fill_between(
-            x,
-            factor * table["low"].to_numpy()[kept],
-            factor * table["high"].to_numpy()[kept],
-            color=colour,
-            alpha=0.18,
-            linewidth=0,
-        )
+        low, high = (factor * table[end].to_numpy()[kept] for end in ("low", "high"))
+        c.axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
+    several = len(seeds) > 1
     options = (
         curve.look
         | {
             "markersize": 3.8,
             "markevery": _marks(x),
             "markeredgewidth": 1.0,
-            "linewidth": 1.5 if len(x) < 30 else 1.2,
+            "linewidth": 2.0 if several else 1.5 if len(x) < 30 else 1.2,
             "markerfacecolor": PAPER if curve.code == "yade" else colour,
         }
         | look
     )
-    c.axes.plot(x, y, color=colour, **options)
+    ends = [(x[-1], y[-1])] if len(x) else []
+    for values in seeds.values() if several else ():
+        at = thin(values.index.to_numpy(float))
+        xs, ys = values.index.to_numpy(float)[at], factor * values.to_numpy()[at]
+        c.axes.plot(xs, ys, color=colour, linewidth=0.7, linestyle=curve.look["linestyle"], zorder=1.8)
+        ends.append((xs[-1], ys[-1]))
+    if len(x):
+        c.axes.plot(x, y, color=colour, **options)
     if label:
-        c.labels.append((x[-1], y[-1], tag, colour))
+        c.labels.append((*max(ends, key=lambda end: end[0]), tag, colour))
     if hover:
         c.series.append(
             {
@@ -90,6 +97,11 @@ def _marks(x: np.ndarray) -> list[int]:
         return list(range(len(x)))
     wanted = np.unique(np.round(np.geomspace(max(x[0], 1), x[-1], 7)))
     return sorted({int(np.argmin(np.abs(x - w))) for w in wanted})
+
+
+def from_zero(seeds: Mapping[int, pd.Series]) -> dict[int, pd.Series]:
+    """Curves of seeds with their zero at the end of preload."""
+    return {seed: pd.concat([pd.Series({0: 0.0}), values]) for seed, values in seeds.items()}
 
 
 def with_start(table: pd.DataFrame) -> pd.DataFrame:

@@ -15,11 +15,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.comparison import codes
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.labels import is_varied, short_name
+from analysis.report.labels import basis_of, is_reading, is_varied, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
 from analysis.scenarios.scenario import Scenario
 
@@ -59,18 +58,17 @@ class Curve:
 
     @property
     def main(self) -> Run:
-        """The run that is drawn as a line: the longest, of equals that with the lowest seed."""
+        """The longest run, of equals that with the lowest seed."""
         return max(self.runs, key=lambda run: (run.cycles["cycle"].max(), -run.seed))
 
     def column(self, name: str, table: str = "cycles") -> pd.DataFrame:
-        """The main run's values against `cycle`, and the lowest and highest of all seeds there, SI; rows with a
-        value.
-        """
-        values = getattr(self.main, table).set_index("cycle")[name].rename("value")
-        if len(self.runs) == 1:
-            return pd.DataFrame({"value": values, "low": values, "high": values}).dropna()
-        bands = codes.seed_bands(getattr(Runs(self.runs), table), [name]).set_index("cycle")
-        return pd.DataFrame({"value": values, "low": bands[f"{name}_low"], "high": bands[f"{name}_high"]}).dropna()
+        """Mean over the runs against `cycle` as far as all reach, with the lowest and highest of them, SI."""
+        together = pd.DataFrame(self.seeds(name, table)).dropna()
+        return pd.DataFrame({"value": together.mean(axis=1), "low": together.min(axis=1), "high": together.max(axis=1)})
+
+    def seeds(self, name: str, table: str = "cycles") -> dict[int, pd.Series]:
+        """The values of each run against `cycle`, SI, by seed."""
+        return {run.seed: getattr(run, table).set_index("cycle")[name].dropna() for run in self.runs}
 
 
 def family_of(scenario: Scenario | None) -> str:
@@ -109,11 +107,12 @@ class Gallery:
     def _shades(runs: Runs, order: Sequence[str]) -> dict[str, tuple[str, float]]:
         """Scenario -> (family, level): members of a family go from pale to deep in the order of the scenario file.
 
-        Variants share a family of their own, so that they do not crowd the others.
+        A reading of the load looks like its scenario; other variants share a family of their own, so that they do not
+        crowd the others.
         """
         families: dict[str, list[str]] = {}
         setups = {run.scenario_name: run.scenario for run in runs}
-        for name in [*order, *sorted(set(setups) - set(order))]:
+        for name in [*order, *sorted(name for name in set(setups) - set(order) if not is_reading(name))]:
             if is_varied(name):
                 family = "other"
             else:
@@ -133,7 +132,8 @@ class Gallery:
 
     def look(self, scenario: str) -> tuple[str, str]:
         """(colour, family) of a scenario."""
-        family, level = self._levels.get(scenario, ("other", 0.0))
+        known = basis_of(scenario) if is_reading(scenario) else scenario
+        family, level = self._levels.get(known, ("other", 0.0))
         return style.shade(family, level), family
 
     def curves(self, runs: Iterable[Run]) -> list[Curve]:
@@ -143,12 +143,14 @@ class Gallery:
             if len(run.cycles):
                 groups.setdefault((run.scenario_name, run.code), []).append(run)
         codes = {code for _, code in groups}
+        one_reading = all(is_reading(scenario) for scenario, _ in groups)
         found = []
         for (scenario, code), members in groups.items():
             colour, family = self.look(scenario)
             sign = f" {CODE_SIGNS.get(code, '◆')}" if len(codes) > 1 else ""
-            label = f"{short_name(scenario)} {CODE_NAMES.get(code, code)}" + (
-                f", {len(members)} seeds" if len(members) > 1 else ""
+            called = short_name(basis_of(scenario) if one_reading else scenario)
+            label = f"{called} {CODE_NAMES.get(code, code)}" + (
+                f", mean of {len(members)} beds" if len(members) > 1 else ""
             )
             found.append(
                 Curve(
@@ -158,12 +160,12 @@ class Gallery:
                     colour,
                     CODE_STYLES.get(code, OTHER_STYLE),
                     label,
-                    short_name(scenario) + sign,
+                    called + sign,
                     family,
                 )
             )
-        rank = list(self._levels)
-        return sorted(found, key=lambda c: (rank.index(c.scenario) if c.scenario in rank else len(rank), c.code))
+        rank = {name: n for n, name in enumerate(self._levels)}
+        return sorted(found, key=lambda c: (rank.get(c.scenario, rank.get(basis_of(c.scenario), len(rank))), c.code))
 
     def finish(
         self,

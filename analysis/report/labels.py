@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD
 from analysis.scenarios.scenario import label_of, split_id
 
 MM, KPA = 1e3, 1e-3
 
 
 MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
+
+READING_NAMES = {TRUE_LOAD: "true load", SERVO: "PFC's servo"}
 
 SOURCE_NAMES = {
     "indraratna2013": "experiment of Indraratna 2013",
@@ -26,9 +29,19 @@ def is_varied(scenario: str) -> bool:
     return bool(split_id(scenario)[1])
 
 
+def is_reading(scenario: str) -> bool:
+    """True where the id of a scenario names PFC's servo and no other variant: a reading of the paper's load."""
+    return split_id(scenario)[1] == (SERVO_VARIANT,)
+
+
 def short_name(scenario: str) -> str:
     """The label of scenarios.toml: `linear-mu0.8+servo` is linear μ 0.8, PFC servo."""
     return label_of(scenario)
+
+
+def variant_name(variants: str) -> str:
+    """Labels of variants, as they stand after a scenario's: `plates-fixed` is plates fixed."""
+    return label_of(f"+{variants}").removeprefix(", ")
 
 
 def reference_name(kind: str, source: str, curve: str) -> str:

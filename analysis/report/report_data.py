@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import pandas as pd
 
-from analysis.comparison import codes
 from analysis.comparison.claims import verdicts
-from analysis.driver import calibrate, status
+from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
+from analysis.comparison.findings.members import TRUE_LOAD, member
+from analysis.driver import status
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figure import Gallery
-from analysis.report.labels import is_varied, short_name
+from analysis.report.labels import short_name
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
 from analysis.scenarios.study import key_scenarios
@@ -30,17 +31,8 @@ def _named(ask: Callable[[], Sequence[str]]) -> tuple[str, ...]:
 
 
 KEY_SCENARIOS = _named(key_scenarios)
-"""The two the paper's discussion rests on; the overview shows them, and scenarios that are not the paper's."""
+"""The linear and the nonlinear one that the paper's discussion rests on."""
 PAPER_SCENARIOS = _named(lambda: scenario_names(group="paper"))
-PROFILE_TEXT = {
-    "full": ("The full-size bed", "The paper's box and sleeper."),
-    "demo": (
-        "The demo slice",
-        "A thin slice of the bed, a few hundred clumps and a few cycles: it shows that the whole chain works in both "
-        "codes. Its side walls are "
-        "close, so it is not the paper's bed, and its numbers answer none of the paper's questions.",
-    ),
-}
 
 
 @dataclass
@@ -58,20 +50,18 @@ class ReportData:
     verification_folder: Path
     problems: list[str]
     results: str
-    calibration: Path = calibrate.TABLE
-    """Table of the beds that were tried."""
-    _agreement: dict[str, pd.DataFrame] = field(default_factory=dict)
+    kept: Path = RUNS_FOLDER
+    """Where runs and the tables of studies are kept."""
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the runs say, as tables."""
+        return find([*self.runs, *self.variants], self.references, PAPER_SCENARIOS, self.kept)
 
     @cached_property
     def verdicts(self) -> list:
         """The paper's claims, judged on the drawn runs."""
         return verdicts.evaluate_claims(self.runs, self.references)
-
-    def agreement(self, profile: str) -> pd.DataFrame:
-        """Both codes next to each other, see `codes.agreement`."""
-        if profile not in self._agreement:
-            self._agreement[profile] = codes.agreement(self.of(profile))
-        return self._agreement[profile]
 
     def of(self, profile: str) -> Runs:
         """Drawn runs of a profile with at least one finished cycle."""
@@ -135,22 +125,16 @@ def known_scenarios() -> list[str]:
 
 
 def is_variant(run: Run) -> bool:
-    """True for a run made for one comparison: of a variant, or given another run's bed on the command
-    line.
+    """True for a run made for one comparison: of a variant other than the reading of the load, or from another code's
+    bed.
     """
-    given = not str(run.info.get("bed", "own")).startswith(("own", "../../"))
-    return given or is_varied(run.scenario_name)
+    return not member(run).plain
 
 
-def overview_runs(data: ReportData, profile: str) -> tuple[Runs, str]:
-    """Runs for the overview, and where the others are."""
-    runs = data.of(profile)
-    if len({run.scenario_name for run in runs}) <= 3:
-        return runs, ""
-    chosen = Runs(run for run in runs if run.scenario_name in KEY_SCENARIOS or run.scenario_name not in PAPER_SCENARIOS)
-    chosen = chosen or runs
-    others = sorted({run.scenario_name for run in runs} - {run.scenario_name for run in chosen})
-    return chosen, (f"Not drawn here but on the page Figures: {', '.join(others)}." if others else "")
+def key_runs(data: ReportData, profile: str, reading: str = TRUE_LOAD) -> Runs:
+    """Plain runs of the key scenarios in one reading; of all scenarios where no key scenario has one."""
+    runs = [run for run in data.of(profile) if member(run).reading == reading]
+    return Runs([run for run in runs if run.base_name in KEY_SCENARIOS] or runs)
 
 
 def verification_rows(folder: Path) -> tuple[pd.DataFrame, list[str]]:

@@ -32,6 +32,7 @@ PALETTE = {  # light page, dark page
     "md0": ("#8a2f87", "#b871c2"),
     "md1": ("#009876", "#4de2af"),
     "md2": ("#a47e00", "#eacd4d"),
+    "servo": ("#c2187a", "#ff86c2"),
     "other": ("#5b5f66", "#b3b9c1"),
     "reference": ("#111418", "#f5f6f7"),
 }

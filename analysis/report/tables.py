@@ -34,8 +34,13 @@ class Chip:
     text: str
     kind: str
 
-    def __html__(self) -> str:
-        return f'<span class="chip {self.kind}">{self.text}</span>'
+
+@dataclass(frozen=True)
+class Link:
+    """A word that leads somewhere."""
+
+    text: str
+    href: str
 
 
 def shown(value) -> str:

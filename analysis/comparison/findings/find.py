@@ -10,6 +10,7 @@ import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
 from analysis.comparison.findings import agreement, influence, runs, servo
+from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.normalised.readers import Run
 from analysis.reference.curves import REFERENCE_FOLDER, References
@@ -65,12 +66,16 @@ class Findings:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "members"}
 
     def write(self, folder: Path) -> list[Path]:
-        """Write each table as a CSV file into `folder`; returns the paths."""
+        """Write each table as a CSV file into `folder`, and columns.csv, which says what they hold; returns the
+        paths.
+        """
         folder.mkdir(parents=True, exist_ok=True)
         paths = []
         for name, frame in self.frames().items():
             paths.append(folder / f"{name}.csv")
             frame.to_csv(paths[-1], index=False, float_format="%.9g", lineterminator="\n")
+        paths.append(folder / "columns.csv")
+        describe(self.frames().values()).to_csv(paths[-1], index=False, lineterminator="\n")
         return paths
 
 

@@ -37,7 +37,7 @@ INFLUENCE = (
 def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFrame:
     """Each varied run against the plain run of its scenario, reading, code and seed (columns INFLUENCE).
 
-    change_ratio    changed over base, minus 1
+    change_ratio    changed over base, minus 1; nan where they have no common sign
     scatter_ratio   standard deviation between beds as a share of the mean, see `agreement.scatter_table`
     scatters        size of the change in such deviations
     """
@@ -54,7 +54,7 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
             ("lateral_mean_m", "m", lambda run, n: sum(at(run, n, f"lateral_{k}_m") for k in range(1, 6)) / 5),
         ):
             before, after = function(base.run, cycle), function(m.run, cycle)
-            change = after / before - 1 if before else math.nan
+            change = after / before - 1 if before * after > 0 else math.nan
             spread = _spread(scatter, m, quantity, cycle)
             rows.append(
                 {

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from analysis.comparison.quantities import last_cycle
+from analysis.comparison.same_bed import ranks
 from analysis.normalised.readers import Run
 
 TRUE_LOAD, SERVO = "true load", "servo"
@@ -101,8 +102,8 @@ def groups(found: Iterable[Member]) -> dict[tuple, list[Member]]:
 
 
 def choose(runs: Iterable[Run]) -> tuple[list[Run], list[tuple[Run, str]]]:
-    """One run of each profile, scenario with variants, code, seed, bed, time step and number of ranks: the longest, of
-    equals the first. Also the others, each with the reason why it is left out.
+    """The longest of runs that are the same, of equals the first; also the others, each with the reason why it is left
+    out.
     """
     best: dict[tuple, Run] = {}
     keyed = [(_same(run), run) for run in runs]
@@ -119,7 +120,8 @@ def choose(runs: Iterable[Run]) -> tuple[list[Run], list[tuple[Run, str]]]:
 
 
 def _same(run: Run) -> tuple:
-    ranks = max(run.info.get("ranks", 1), run.info.get("threads", 1))
+    """What a run is the same as: a plain one its scenario, code and seed; others differ in bed, step and ranks, too."""
+    if member(run).plain:
+        return tuple(run.identity.values())
     step = run.scenario["time.step"] if run.scenario is not None else None
-    given = "" if member(run).own_bed else str(run.info.get("bed"))
-    return (*run.identity.values(), step, ranks, given)
+    return (*run.identity.values(), step, ranks(run), run.info.get("bed"))

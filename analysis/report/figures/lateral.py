@@ -120,8 +120,7 @@ def lateral_profile(curve: Curve, cycle: int) -> pd.DataFrame:
     together = pd.DataFrame({name: profile for name, profile in profiles.items() if len(profile)}).sort_index()
     if together.empty:
         return pd.DataFrame(columns=["value", "low", "high"])
-    shown = together.get(curve.main.id, together.iloc[:, 0])
-    return pd.DataFrame({"value": shown, "low": together.min(axis=1), "high": together.max(axis=1)})
+    return pd.DataFrame({"value": together.mean(axis=1), "low": together.min(axis=1), "high": together.max(axis=1)})
 
 
 def shown_cycles(runs: Iterable[Run]) -> list[int]:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison import quantities
+from analysis.comparison.findings import runs as runs_findings
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
@@ -15,7 +16,7 @@ from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES, SOFT
 
-TRACKING_AIM = {"linear": 1, "hysteretic": 2}
+TRACKING_AIM = {model: 100 * aim for model, aim in runs_findings.TRACKING_AIM.items()}
 """rms tracking error that no cycle should exceed, by contact model, % of the maximum stress."""
 
 
@@ -27,7 +28,8 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
     for curve in curves:
         top = curve.setup["loading.stress_max"] if curve.setup else 460e3
-        draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top)
+        seeds = curve.seeds("tracking_rms_Pa")
+        draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top, seeds=seeds)
     for limit, text in (
         (TRACKING_AIM["linear"], "aim, linear bed"),
         (TRACKING_AIM["hysteretic"], "aim, nonlinear bed"),

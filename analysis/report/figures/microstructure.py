@@ -24,7 +24,8 @@ def microstructure_figure(
     for column, label, factor, unit in quantities:
         c = style.canvas(f"{name}-{column}", label, height=2.7)
         for curve in curves:
-            draw(c, curve, curve.column(column, "microstructure"), factor)
+            seeds = curve.seeds(column, "microstructure")
+            draw(c, curve, curve.column(column, "microstructure"), factor, seeds=seeds)
         if not c.series:
             continue
         c.axes.set_ylabel(label)

@@ -66,6 +66,9 @@ def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
         ]
         c.table = pd.concat([curve_rows(members, columns, "microstructure"), *points])
         drawn.append(c)
+    limits = [c.axes.get_ylim() for c in drawn]
+    for c in drawn:  # one scale, so that the models' ranges can be compared
+        c.axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
     return g.finish(name, title, caption, drawn, runs, curves, pending)
 
 

@@ -15,6 +15,7 @@ from analysis.report.curves import (
     cycle_axis,
     draw,
     draw_references,
+    from_zero,
     last_cycle_of,
     pending_mark,
     pending_names,
@@ -54,7 +55,8 @@ def settlement_figure(
         )
         for curve in curves:
             table = curve.column("settlement_m")
-            draw(c, curve, table if log else with_start(table), MM)
+            seeds = curve.seeds("settlement_m")
+            draw(c, curve, table if log else with_start(table), MM, seeds=seeds if log else from_zero(seeds))
         draw_references(c, rows[rows["cycle"] > 0] if log else up_to(rows, last), "cycle", MM)
         c.axes.invert_yaxis()
         c.axes.set_ylabel("settlement at minimum load, mm")

@@ -73,7 +73,7 @@ def assumptions(data: ReportData) -> dict:
 def calibration(data: ReportData, base: Scenario | None) -> dict:
     """Table and figure of the beds that `make calibrate` tried, the chosen one marked; {} where there are none."""
     try:
-        beds = calibrate.read_table(data.calibration)
+        beds = calibrate.read_table(data.kept / calibrate.TABLE.name)
     except FileNotFoundError:
         return {}
     except ValueError as error:

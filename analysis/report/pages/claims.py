@@ -1,62 +1,72 @@
-"""The paper's claims with their verdicts."""
+"""The paper's claims: a card for each, with a verdict per code and reading."""
 
 from __future__ import annotations
 
 from analysis.comparison.claims import evidence
+from analysis.comparison.findings.members import TRUE_LOAD
+from analysis.report.labels import READING_NAMES
 from analysis.report.report_data import ReportData
+from analysis.report.sentences import symbols
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table
 
-VERDICT_KIND = {evidence.HOLDS: "good", evidence.FAILS: "bad", evidence.OPEN: "open"}
+VERDICT_KIND = {evidence.HOLDS: "good", evidence.FAILS: "bad"}
 
 
 def claims_page(data: ReportData) -> dict:
-    """Every claim with its verdict per code, the numbers, and what is missing."""
+    """Every claim with its verdicts in short, and folded away what they rest on."""
     grouped: dict[int, list] = {}
     for v in data.verdicts:
         grouped.setdefault(v.claim.number, []).append(v)
-    codes = list(dict.fromkeys(v.code for v in data.verdicts))
-    summary = Table("Verdicts per code", [Column("claim"), *(Column(CODE_NAMES.get(code, code)) for code in codes)])
-    entries = []
-    for n, members in sorted(grouped.items()):
-        claim = members[0].claim
-        summary.rows.append([f"{n}. {claim.sentence}", *(Chip(v.verdict, VERDICT_KIND[v.verdict]) for v in members)])
-        table = Table(
-            "",
-            [
-                Column("code"),
-                Column("part of the claim", wide=True),
-                Column("verdict"),
-                Column("numbers", wide=True),
-                Column("missing", wide=True),
-            ],
-        )
-        for v in members:
-            for check in v.checks:
-                table.rows.append(
-                    [
-                        CODE_NAMES.get(v.code, v.code),
-                        check.what,
-                        Chip(check.verdict, VERDICT_KIND[check.verdict]),
-                        check.numbers.replace("+-", "±") or "–",
-                        "; ".join(check.missing) or "–",
-                    ]
-                )
-        bases = "; ".join(dict.fromkeys(f"{CODE_NAMES.get(v.code, v.code)}: {v.uncertainty}" for v in members))
-        notes = list(dict.fromkeys(note for v in members for note in v.notes))
-        table.note = f"Uncertainty: {bases}." + (
-            " Runs used: " + ", ".join(dict.fromkeys(r for v in members for r in v.runs)) + "."
-            if any(v.runs for v in members)
-            else ""
-        )
-        entries.append(
-            {
-                "id": n,
-                "title": claim.sentence,
-                "where": f"{claim.where}. {claim.quantity}",
-                "criterion": claim.criterion,
-                "table": table,
-                "notes": notes,
-            }
-        )
-    return {"summary": summary, "claims": entries}
+    return {"summary": summary(grouped), "claims": [card(n, found) for n, found in sorted(grouped.items())]}
+
+
+def where_of(verdict) -> str:
+    """Code and reading of a verdict, in words."""
+    reading = READING_NAMES[getattr(verdict, "reading", TRUE_LOAD)]
+    return f"{CODE_NAMES.get(verdict.code, verdict.code)}, {reading}"
+
+
+def chip_of(verdict: str) -> Chip:
+    """A verdict as a coloured word: grey where nothing is decided."""
+    return Chip(verdict, VERDICT_KIND.get(verdict, "calm"))
+
+
+def summary(grouped: dict[int, list]) -> Table:
+    """A row per claim, a column per code and reading."""
+    columns = list(dict.fromkeys(where_of(v) for found in grouped.values() for v in found))
+    table = Table("Verdicts", [Column("claim"), *(Column(name) for name in columns)])
+    for n, found in sorted(grouped.items()):
+        by_place = {where_of(v): chip_of(v.verdict) for v in found}
+        table.rows.append([f"{n}. {symbols(found[0].claim.sentence)}", *(by_place.get(name, "–") for name in columns)])
+    return table
+
+
+def card(number: int, found: list) -> dict:
+    """One claim: sentence, verdicts, criterion, and the parts that decide it."""
+    claim = found[0].claim
+    table = Table(
+        "",
+        [
+            Column("code and load"),
+            Column("part of the claim", wide=True),
+            Column("verdict"),
+            Column("numbers", wide=True),
+        ],
+    )
+    for v in found:
+        for check in v.checks:
+            numbers = check.numbers.replace("+-", "±") or "–"
+            table.rows.append([where_of(v), check.what, chip_of(check.verdict), numbers])
+    bases = "; ".join(dict.fromkeys(f"{where_of(v)}: {v.uncertainty}" for v in found if any(v.runs)))
+    runs = dict.fromkeys(run for v in found for run in v.runs)
+    table.note = f"Uncertainty: {bases}. Runs used: {', '.join(runs)}." if runs else ""
+    return {
+        "id": number,
+        "title": claim.sentence,
+        "verdicts": [(where_of(v), chip_of(v.verdict)) for v in found],
+        "criterion": f"{claim.where}. {claim.quantity} {claim.criterion}",
+        "missing": "; ".join(dict.fromkeys(what for v in found for what in v.missing)),
+        "table": table,
+        "notes": list(dict.fromkeys(note for v in found for note in v.notes)),
+    }

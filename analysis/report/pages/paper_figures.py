@@ -6,23 +6,24 @@ import math
 from collections.abc import Callable, Sequence
 
 from analysis.comparison import against_published, settlement_fits
+from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD, member
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
 from analysis.report.figure import Figure, Gallery, family_of
 from analysis.report.figures.beds import bed_figure
-from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.lateral import PROFILE_CYCLES, lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
 from analysis.report.figures.settlement import settlement_figure, shape_figure
-from analysis.report.labels import MM, MODE_NAMES, SOURCE_NAMES, short_name
+from analysis.report.labels import MM, MODE_NAMES, READING_NAMES, SOURCE_NAMES, short_name
 from analysis.report.report_data import (
     KEY_SCENARIOS,
     PAPER_SCENARIOS,
     ReportData,
+    key_runs,
     name_of,
-    overview_runs,
 )
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, interval, number
@@ -30,20 +31,14 @@ from analysis.scenarios.scenario import load_scenario
 
 
 def paper_figures(data: ReportData) -> dict:
-    """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any."""
+    """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any, 10 to 13 in both readings of the
+    load.
+    """
     g = data.gallery
     profile = data.profiles[0] if data.profiles else "full"
     runs = data.of(profile)
-    by_name = {
-        name: [run for run in runs if run.scenario_name == name]
-        for name in dict.fromkeys(run.scenario_name for run in runs)
-    }
-    size = {"full": "full-size runs", "demo": "demo runs, a slice that is not the paper's bed"}.get(
-        profile, f"runs of profile {profile}"
-    )
-    waits = "It appears as soon as a run of one of its scenarios has finished a cycle."
-
-    linear = of_family(runs, "linear")
+    readings = [reading for reading in READINGS if any(member(run).reading == reading for run in runs)]
+    by_reading = {reading: Runs(run for run in runs if member(run).reading == reading) for reading in readings}
     groups = [
         bed_group(data, profile),
         {
@@ -52,7 +47,7 @@ def paper_figures(data: ReportData) -> dict:
             "figures": [
                 stress_figure(
                     g,
-                    [run for run in runs if run.scenario_name in KEY_SCENARIOS and run.seed == 1] or runs[:2],
+                    [run for run in key_runs(data, profile) if run.seed == 1][:4],
                     "figure6",
                     "Figure 6 remade: stress on the sleeper",
                     "255 − 205 cos(2π · 20 Hz · t) kPa: the target (broad) and the contact force on the sleeper over "
@@ -61,134 +56,138 @@ def paper_figures(data: ReportData) -> dict:
             ],
         },
         {"title": "Figure 9: the damping modes", "figures": [restitution_figure(g)], "tables": [restitution_rows()]},
-        {
-            "title": "Figure 10: the linear model",
-            "missing": waits,
-            "figures": [
-                settlement_figure(
-                    g,
-                    linear,
-                    "figure10-settlement",
-                    "Figure 10 remade: settlement, linear contacts",
-                    "Friction 0.7, 0.8 and 0.9, between clumps and at walls.",
-                ),
-                lateral_figure(
-                    g,
-                    linear,
-                    "figure10-lateral",
-                    "Figure 10 remade: lateral displacement, linear contacts",
-                    "Over depth below the sleeper.",
-                ),
-            ],
-        },
-        {
-            "title": "Figure 11: settlement, nonlinear model",
-            "missing": waits,
-            "figures": mode_figures(
-                g,
-                runs,
-                settlement_figure,
-                "figure11",
-                "Figure 11 remade: settlement",
-                "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
-                "The only nonlinear scenario with a run so far; eₙ = 1 is the same law in all damping modes.",
-            ),
-        },
-        {
-            "title": "Figure 12: lateral displacement, nonlinear model",
-            "missing": waits,
-            "figures": mode_figures(
-                g,
-                runs,
-                lateral_figure,
-                "figure12",
-                "Figure 12 remade: lateral displacement",
-                "Over depth below the sleeper.",
-                "Over depth below the sleeper.",
-            ),
-        },
-        {
-            "title": "Figure 13: porosity",
-            "missing": waits,
-            "figures": [
-                sphere_figure(g, load_scenario(KEY_SCENARIOS[0], "full")) if KEY_SCENARIOS else None,
-                porosity_figure(
-                    g,
-                    Runs(run for name in by_name if name in KEY_SCENARIOS for run in by_name[name]),
-                    "figure13",
-                    "Figure 13b, c remade: porosity during loading",
-                    "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is "
-                    "the end of preload.",
-                ),
-            ],
-        },
-    ]
-    groups.append(
+        group("Figure 10: the linear model", by_reading, lambda mine, reading: figure10(g, mine, reading)),
+        group("Figure 11: settlement, nonlinear model", by_reading, lambda mine, reading: figure11(g, mine, reading)),
+        group(
+            "Figure 12: lateral displacement, nonlinear model",
+            by_reading,
+            lambda mine, reading: figure12(g, mine, reading),
+        ),
+        group("Figure 13: porosity", by_reading, lambda mine, reading: figure13(g, mine, reading)),
         {
             "title": "The shape of settlement",
-            "missing": waits,
+            "missing": WAITS,
             "figures": [
                 shape_figure(
                     g,
-                    overview_runs(data, profile)[0],
-                    "settlement-shape",
-                    "Settlement over that of the first cycle",
+                    key_runs(data, profile, reading),
+                    f"settlement-shape-{SLUGS[reading]}",
+                    f"Settlement over that of the first cycle, {READING_NAMES[reading]}",
                     "Published laws as shapes (broken grey): their absolute size belongs to other loads and beds. "
                     "Coefficients are transcribed from secondary quotation.",
                 )
+                for reading in readings
             ],
-            "tables": [law_table(data, profile)],
-        }
-    )
-    groups.append(
+            "folded": [law_table(data, profile)],
+        },
         {
             "title": "Reference curves",
             "figures": [],
             "tables": [sources_table(data), reference_scores(data, profile), lateral_scores(data, profile)],
             "missing": "",
-        }
-    )
-    others = Runs(run for run in runs if run.scenario_name not in PAPER_SCENARIOS)
-    if others:
-        groups.append(
-            {
-                "title": "Scenarios that are not the paper's",
-                "figures": [
-                    settlement_figure(
-                        g,
-                        others,
-                        "own-settlement",
-                        "Settlement, further scenarios",
-                        "Scenarios added to scenarios.toml.",
-                    ),
-                    lateral_figure(
-                        g,
-                        others,
-                        "own-lateral",
-                        "Lateral displacement, further scenarios",
-                        "Over depth below the sleeper.",
-                    ),
-                ],
-            }
-        )
-    for group in groups:
-        group["figures"] = [f for f in group["figures"] if f]
-        group["tables"] = [t for t in group.get("tables", ()) if t]
-    note = ""
-    if len(data.references.pending):
-        note = (
-            f"{len(data.references.pending)} reference curves are pending: no point of them is in the paper's text, "
-            f"and none is invented here. "
-            "Once digitised (reference_data/README.md) they are drawn in these figures and the claims are judged "
-            "against them."
-        )
+        },
+        own_group(g, runs),
+    ]
+    if KEY_SCENARIOS:
+        groups[6]["figures"].insert(0, sphere_figure(g, load_scenario(KEY_SCENARIOS[0], "full")))
+    for part in groups:
+        part["figures"] = [f for f in part["figures"] if f]
+        for kind in ("tables", "folded"):
+            part[kind] = [t for t in part.get(kind, ()) if t]
     return {
-        "lead": f"Drawn from {size}, in every code that has one."
-        if runs
-        else "There is no run yet; what needs none is shown.",
-        "groups": groups,
-        "reference_note": note,
+        "profile": profile,
+        "runs": len(runs),
+        "groups": [part for part in groups if part["figures"] or part["tables"] or part["missing"]],
+        "pending": len(data.references.pending),
         "reference_problems": data.references.problems,
+    }
+
+
+WAITS = "It appears as soon as a run of one of its scenarios has finished a cycle."
+SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
+
+
+def group(title: str, by_reading: dict[str, Runs], figures: Callable[[Runs, str], list]) -> dict:
+    """One of the paper's figures in every reading that has runs."""
+    drawn = [figure for reading, mine in by_reading.items() for figure in figures(mine, reading)]
+    return {"title": title, "missing": WAITS, "figures": drawn}
+
+
+def figure10(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+    """Settlement and lateral displacement of the linear model."""
+    linear, where = of_family(runs, "linear"), READING_NAMES[reading]
+    return [
+        settlement_figure(
+            g,
+            linear,
+            f"figure10-settlement-{SLUGS[reading]}",
+            f"Figure 10 remade, {where}: settlement, linear contacts",
+            "Friction 0.7, 0.8 and 0.9, between clumps and at walls.",
+        ),
+        lateral_figure(
+            g,
+            linear,
+            f"figure10-lateral-{SLUGS[reading]}",
+            f"Figure 10 remade, {where}: lateral displacement, linear contacts",
+            "Over depth below the sleeper.",
+            cycles=PROFILE_CYCLES,
+        ),
+    ]
+
+
+def figure11(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+    """Settlement of the nonlinear model, a figure per damping mode."""
+    return mode_figures(
+        g,
+        runs,
+        settlement_figure,
+        f"figure11-{SLUGS[reading]}",
+        f"Figure 11 remade, {READING_NAMES[reading]}: settlement",
+        "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
+    )
+
+
+def figure12(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+    """Lateral displacement of the nonlinear model, a figure per damping mode."""
+    return mode_figures(
+        g,
+        runs,
+        lambda *what: lateral_figure(*what, cycles=PROFILE_CYCLES),
+        f"figure12-{SLUGS[reading]}",
+        f"Figure 12 remade, {READING_NAMES[reading]}: lateral displacement",
+        "Over depth below the sleeper.",
+    )
+
+
+def figure13(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+    """Porosity in the measurement spheres, both models on one scale."""
+    return [
+        porosity_figure(
+            g,
+            Runs(run for run in runs if run.base_name in KEY_SCENARIOS),
+            f"figure13-{SLUGS[reading]}",
+            f"Figure 13b, c remade, {READING_NAMES[reading]}: porosity during loading",
+            "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is the "
+            "end of "
+            "preload.",
+        )
+    ]
+
+
+def own_group(g: Gallery, runs: Runs) -> dict:
+    """Scenarios that are not the paper's."""
+    others = Runs(run for run in runs if run.base_name not in PAPER_SCENARIOS)
+    return {
+        "title": "Scenarios that are not the paper's",
+        "missing": "",
+        "figures": [
+            settlement_figure(
+                g, others, "own-settlement", "Settlement, further scenarios", "Scenarios added to scenarios.toml."
+            ),
+            lateral_figure(
+                g, others, "own-lateral", "Lateral displacement, further scenarios", "Over depth below the sleeper."
+            ),
+        ],
     }
 
 
@@ -204,7 +203,6 @@ def mode_figures(
     name: str,
     title: str,
     caption: str,
-    caption_alone: str,
 ) -> list[Figure | None]:
     """A figure for each damping mode that has a run, with the undamped runs in each; else one of these alone."""
     undamped = of_family(runs, "nonlinear")
@@ -213,13 +211,13 @@ def mode_figures(
         figure(g, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption)
         for mode, damped in by_mode.items()
         if damped
-    ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption_alone)]
+    ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption)]
 
 
 def bed_group(data: ReportData, profile: str) -> dict:
     """Figure 5: packed beds, and the force chains after loading."""
     g = data.gallery
-    candidates = [run for run in data.of(profile) if run.scenario_name in KEY_SCENARIOS and run.seed == 1]
+    candidates = [run for run in key_runs(data, profile) if run.seed == 1]
     candidates = candidates or list(data.of(profile))[:2]
     packed, label = [run for run in candidates if (run.folder / "raw" / "bed_packed.csv").exists()], "packed"
     packed = [run for run in packed if run.scenario and not run.scenario["packing.bed_from"]] or packed
@@ -271,6 +269,8 @@ def law_table(data: ReportData, profile: str) -> Table | None:
         ],
     )
     for run in data.of(profile):
+        if run.seed != 1:
+            continue
         choice = settlement_fits.choose(run.cycles["cycle"], run.cycles["settlement_m"])
         fit = choice.fits.get("exponential")
         kind = {"yes": "good", "no": "bad"}.get(choice.exponential_start, "open")

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from analysis.comparison.findings.members import TRUE_LOAD, member
 from analysis.comparison.quantities import last_cycle
 from analysis.driver import provenance
 from analysis.driver.status import load_not_reached
@@ -116,9 +117,9 @@ def runs_page(data: ReportData) -> dict:
     tracking = [
         tracking_figure(
             data.gallery,
-            data.of(profile),
+            [run for run in data.of(profile) if member(run).reading == TRUE_LOAD],
             f"tracking-all-{profile}",
-            f"Load tracking, all runs of profile {profile}",
+            f"Load tracking under the true load, {profile} bed",
             "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum).",
         )
         for profile in data.profiles

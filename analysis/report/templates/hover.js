@@ -15,15 +15,21 @@ for (const panel of document.querySelectorAll(".panel[data-hover]")) {
   svg.append(line, dots); panel.append(tip);
   const all = [...new Set(data.series.flatMap(s => s.x))].sort((a, b) => a - b);
   const hide = () => { tip.hidden = true; line.setAttribute("visibility", "hidden"); dots.setAttribute("visibility", "hidden"); };
+  let shownAt = 0;
   const show = event => {
     const box = svg.getBoundingClientRect(), scale = svg.viewBox.baseVal.width / box.width;
     const at = ((event.clientX - box.left) * scale - left) / width;
     if (at < -0.02 || at > 1.02) return hide();
-    let x = all[0], best = Infinity;
-    for (const value of all) {
+    let k = 0, best = Infinity;
+    all.forEach((value, n) => {
       const distance = Math.abs(share(value, data.x, data.logx) - at);
-      if (distance < best) { best = distance; x = value; }
-    }
+      if (distance < best) { best = distance; k = n; }
+    });
+    showAt(k);
+  };
+  const showAt = k => {
+    const box = svg.getBoundingClientRect(), scale = svg.viewBox.baseVal.width / box.width, x = all[k];
+    shownAt = k;
     const rows = [];
     dots.replaceChildren();
     for (const series of data.series) {
@@ -55,4 +61,12 @@ for (const panel of document.querySelectorAll(".panel[data-hover]")) {
   svg.addEventListener("pointermove", show);
   svg.addEventListener("pointerdown", show);
   svg.addEventListener("pointerleave", hide);
+  panel.addEventListener("blur", hide);
+  panel.addEventListener("keydown", event => {
+    const step = {ArrowRight: 1, ArrowLeft: -1}[event.key];
+    if (event.key === "Escape") return hide();
+    if (!step) return;
+    event.preventDefault();
+    showAt(Math.min(all.length - 1, Math.max(0, tip.hidden ? shownAt : shownAt + step)));
+  });
 }

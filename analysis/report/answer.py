@@ -1,0 +1,144 @@
+"""The answer in numbers: what the first page and the README say in words, from the findings alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
+from analysis.comparison.findings.find import Findings
+from analysis.comparison.findings.members import READINGS
+from analysis.formats.quantities import CODES
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one scenario settles in one reading and code; SI units, nan where it is not known."""
+
+    scenario: str
+    reading: str
+    code: str
+    cycle: int
+    """The last shown cycle that all its beds reach."""
+    beds: int
+    settlement_m: float
+    low_m: float
+    high_m: float
+    first_m: float
+    """After the first cycle."""
+    longest: int
+    """Cycles of the longest run."""
+    trend: str
+    """slowing, steady, growing or empty, of the longest run."""
+    rate_m: float
+    """Settlement per cycle in its last span of cycles."""
+    heave_m: float
+    """Heave of the cribs at its end."""
+    stroke_m: float
+    peak_acceleration_m_s2: float
+    stress_min_Pa: float
+    stress_max_Pa: float
+
+    @property
+    def first_share(self) -> float:
+        """Settlement of the first cycle over that of all."""
+        return self.first_m / self.settlement_m if self.settlement_m else math.nan
+
+
+def outcomes(found: Findings, scenarios: Iterable[str], profile: str) -> dict[tuple[str, str, str], Outcome]:
+    """The outcomes of `scenarios` by scenario, reading and code; those without a run are not there."""
+    result = {}
+    for scenario in scenarios:
+        for reading in READINGS:
+            for code in CODES:
+                outcome = _outcome(found, profile, scenario, reading, code)
+                if outcome is not None:
+                    result[scenario, reading, code] = outcome
+    return result
+
+
+def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: str) -> Outcome | None:
+    where = {"profile": profile, "scenario": scenario, "reading": reading, "code": code}
+    values = only(found.values, **where, quantity="settlement_m").sort_values("cycle")
+    if values.empty:
+        return None
+    shared = values[values["beds"] == values["beds"].max()].iloc[-1]
+    first = values.loc[values["cycle"] == 1, "mean"]
+    runs = [m for m in found.members if m.plain and m.key == (profile, scenario, reading, code)]
+    longest = max(runs, key=lambda m: (m.run.cycles["cycle"].iloc[-1], -m.run.seed)).run
+    spans = only(found.rates, run=longest.id)
+    inner = longest.microstructure["crib_heave_m"].dropna()
+    last = longest.cycles.iloc[-1]
+    stroke = last["settlement_peak_m"] - last["settlement_m"]
+    frequency = longest.scenario["loading.frequency"] if longest.scenario is not None else math.nan
+    return Outcome(
+        scenario,
+        reading,
+        code,
+        int(shared["cycle"]),
+        int(shared["beds"]),
+        shared["mean"],
+        shared["low"],
+        shared["high"],
+        float(first.iloc[0]) if len(first) else math.nan,
+        int(last["cycle"]),
+        spans["trend"].iloc[-1] if len(spans) else "",
+        spans["settlement_rate_m"].iloc[-1] if len(spans) else math.nan,
+        float(inner.iloc[-1]) if len(inner) else math.nan,
+        stroke,
+        stroke / 2 * (2 * math.pi * frequency) ** 2,
+        last["sleeper_stress_min_Pa"],
+        last["sleeper_stress_max_Pa"],
+    )
+
+
+def only(frame: pd.DataFrame, **where) -> pd.DataFrame:
+    """The rows in which the named columns have these values."""
+    for name, value in where.items():
+        frame = frame[frame[name] == value]
+    return frame
+
+
+def states(agreement: pd.DataFrame) -> dict[str, int]:
+    """How many quantities agree, differ, or cannot be told, each at its last compared cycle."""
+    if agreement.empty:
+        return {}
+    last = agreement.sort_values("cycle").groupby(["scenario", "reading", "quantity"], sort=False).tail(1)
+    counts = last["state"].value_counts()
+    return {state: int(counts.get(state, 0)) for state in (AGREES, DIFFERS, OPEN)}
+
+
+def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """Number of claims with each verdict, by code and reading: code, reading, verdict, claims, numbers."""
+    if verdicts.empty:
+        return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "numbers"])
+    table = verdicts if "reading" in verdicts else verdicts.assign(reading=READINGS[0])
+    each = table.drop_duplicates(["number", "code", "reading"])
+    grouped = each.groupby(["code", "reading", "verdict"], sort=True)["number"]
+    counted = grouped.agg(claims="count", numbers=lambda n: ", ".join(str(v) for v in sorted(n)))
+    return counted.reset_index()
+
+
+def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:
+    """Of each key scenario and reading the bed in which the codes differ most."""
+    rows = verdicts[verdicts["scenario"].isin(scenarios)].sort_values("codes_ratio")
+    return rows.groupby(["scenario", "reading"], sort=True).tail(1).sort_index().to_dict("records")
+
+
+def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
+    """Everything that the sentences of templates/answer.txt need."""
+    linear, nonlinear = (*key_scenarios, "", "")[:2]
+    agreement = only(found.agreement, profile=profile)
+    return {
+        "profile": profile,
+        "linear": linear,
+        "nonlinear": nonlinear,
+        "outcomes": outcomes(found, [linear, nonlinear], profile),
+        "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
+        "states": states(agreement),
+        "claims": claim_counts(found.verdicts).to_dict("records"),
+        "agreement_limit": agreement["within_ratio"].max() if len(agreement) else math.nan,
+    }

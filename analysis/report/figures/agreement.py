@@ -1,0 +1,80 @@
+"""LIGGGHTS against YADE over all quantities, as validation guides show it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from analysis.comparison.findings.agreement import AGREES_WITHIN
+from analysis.report import style
+from analysis.report.figure import Figure, Gallery
+from analysis.report.style import SOFT
+
+GROUPS = {  # name, marker: quantities
+    ("settlement", "o"): ("settlement_m", "settlement_peak_m"),
+    ("lateral displacement", "s"): ("lateral_mean_m", "shoulder_displacement_m", "bulge_volume_m3"),
+    ("stiffness and stroke", "D"): ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"),
+    ("porosity and contacts", "^"): ("porosity_1", "porosity_2", "porosity_3", "coordination_number", "overlap_mean_m"),
+}
+
+
+def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | None:
+    """Each compared quantity of both codes over YADE's mean of it in the scenario: ratio LIGGGHTS over YADE by size."""
+    rows = agreement[(agreement["yade_mean"] > 0) & (agreement["liggghts_mean"] > 0)]
+    if rows.empty:
+        return None
+    c = style.canvas(
+        name,
+        "LIGGGHTS over YADE for every compared quantity, scenario and cycle, with 95 % intervals",
+        width=6.4,
+        height=3.6,
+        right=1.5,
+    )
+    at = 0
+    ticks, labels = [], []
+    for (label, marker), quantities in GROUPS.items():
+        part = rows[rows["quantity"].isin(quantities)].sort_values(["quantity", "scenario", "reading", "cycle"])
+        if part.empty:
+            continue
+        x = at + np.arange(len(part))
+        ratio = part["liggghts_mean"] / part["yade_mean"]
+        for hue, chosen in (
+            ("linear", part["scenario"].str.startswith("linear")),
+            ("nonlinear", ~part["scenario"].str.startswith("linear")),
+        ):
+            if not chosen.any():
+                continue
+            low, high = (part.loc[chosen, f"{end}_ratio"] for end in ("low", "high"))
+            own = ratio[chosen]
+            ends = [_ratio_of(v.clip(-1.8, 1.8)) for v in (low, high)]
+            c.axes.vlines(x[chosen.to_numpy()], ends[0], ends[1], color=style.shade(hue), linewidth=0.8, alpha=0.6)
+            c.axes.plot(x[chosen.to_numpy()], own, marker, color=style.shade(hue), markersize=4, linestyle="none")
+        ticks.append(x.mean())
+        labels.append(label)
+        at = x[-1] + 4
+    c.axes.axhline(1, color=SOFT, linewidth=1)
+    c.axes.axhspan(_ratio_of(-AGREES_WITHIN), _ratio_of(AGREES_WITHIN), color=SOFT, alpha=0.18, linewidth=0)
+    c.axes.set_yscale("log")
+    c.axes.set_ylim(0.25, 4)
+    c.axes.set_yticks([0.25, 0.5, 0.8, 1, 1.25, 2, 4], ["0.25", "0.5", "0.8", "1", "1.25", "2", "4"])
+    c.axes.minorticks_off()
+    c.axes.set_xticks(ticks, [text.replace(" ", "\n", 1) for text in labels])
+    c.axes.set_ylabel("LIGGGHTS over YADE")
+    for hue in ("linear", "nonlinear"):
+        c.labels.append((0, 1.1 if hue == "linear" else 0.9, f"{hue} model", style.shade(hue)))
+    c.leaders = False
+    c.table = rows
+    return g.finish(
+        name,
+        "Both codes over all quantities",
+        "Each mark is one quantity after one cycle of one scenario, in one reading of the load, each code from "
+        "beds of its own; bars are 95 % intervals. Grey: "
+        f"the difference of {100 * AGREES_WITHIN:g} % within which two codes are said to agree.",
+        [c],
+        [],
+    )
+
+
+def _ratio_of(difference):
+    """Ratio of two values from their difference over their mean."""
+    return (2 + difference) / (2 - difference)

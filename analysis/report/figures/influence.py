@@ -1,0 +1,67 @@
+"""What one thing changed at a time does, as ranked bars with the scatter between beds as yardstick."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from analysis.comparison.findings.members import SERVO
+from analysis.report import style
+from analysis.report.figure import Figure, Gallery
+from analysis.report.labels import READING_NAMES, short_name, variant_name
+from analysis.report.style import SOFT
+
+LARGEST = 2.0
+"""Bars end here; the number says the rest."""
+
+
+def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) -> Figure | None:
+    """Change of a quantity by each variant, a panel per scenario and reading, the largest on top."""
+    rows = table[(table["quantity"] == quantity) & table["change_ratio"].notna()]
+    drawn = []
+    for (scenario, reading), part in rows.groupby(["scenario", "reading"], sort=False):
+        part = part.sort_values("change_ratio", key=abs)
+        base = part["base"].iloc[0]
+        c = style.canvas(
+            f"influence-{quantity}-{scenario}-{'servo' if reading == SERVO else 'force'}",
+            f"Change of {what} in {short_name(scenario)}, {READING_NAMES[reading]}; largest: "
+            f"{variant_name(part['variant'].iloc[-1])} {100 * part['change_ratio'].iloc[-1]:+.0f} %",
+            height=0.9 + 0.24 * len(part),
+            left=1.75,
+            right=0.75,
+            width=5.4,
+        )
+        scatter = part["scatter_ratio"].dropna()
+        if len(scatter):
+            c.axes.axvspan(-100 * scatter.iloc[0], 100 * scatter.iloc[0], color=SOFT, alpha=0.25, linewidth=0)
+        hue = style.shade("servo") if reading == SERVO else g.look(scenario)[0]
+        for n, row in enumerate(part.itertuples()):
+            change = max(-1.0, min(row.change_ratio, LARGEST))
+            c.axes.barh(n, 100 * change, color=hue, height=0.62)
+            side = "left" if change >= 0 else "right"
+            c.axes.annotate(
+                f"{100 * row.change_ratio:+.0f} %",
+                (100 * change, n),
+                (3 if change >= 0 else -3, 0),
+                textcoords="offset points",
+                va="center",
+                ha=side,
+                fontsize=7.5,
+            )
+        c.axes.set_yticks(range(len(part)), [variant_name(v) for v in part["variant"]])
+        c.axes.axvline(0, color=SOFT, linewidth=0.8)
+        size = 100 * max(0.3, part["change_ratio"].abs().clip(upper=LARGEST).max())
+        c.axes.set_xlim(-1.25 * size if (part["change_ratio"] < 0).any() else -0.1 * size, 1.25 * size)
+        c.axes.set_xlabel(f"change of {what} after {part['cycle'].max()} cycles, %")
+        c.axes.set_title(f"{short_name(scenario)}, {READING_NAMES[reading]}: {1e3 * base:.3g} mm")
+        c.table = part
+        drawn.append(c)
+    return g.finish(
+        f"influence-{quantity.removesuffix('_m').replace('_', '-')}",
+        f"What changes {what}",
+        "One thing changed at a time, from the same packed bed where the change allows it. Grey band: one standard "
+        "deviation between packed beds of the "
+        "same recipe, pooled over scenarios; a bar inside it is no influence that these runs can show.",
+        drawn,
+        [],
+        layout="two",
+    )
