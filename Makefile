@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings view keep verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view keep verify impact mutations sanitize reference calibrate bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -73,6 +73,8 @@ compare: $(STAMP) ## rebuild report/index.html from the runs that exist
 report: compare ## the same
 findings: $(STAMP) ## what the runs say, as tables: report/findings/*.csv
 	@$(ANALYSIS) findings --results $(RESULTS)
+readme: $(STAMP) ## the README's section on results, from the kept runs
+	@$(ANALYSIS) readme
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
 	@$(ANALYSIS) view --code="$$CODE" --profile="$$PROFILE" --seed="$$SEED" --results="$$RESULTS" -- "$$SCENARIO$${VARIANT:++$$VARIANT}"
 keep: $(STAMP) ## put a run's normalised results into the repository: make keep SCENARIO=... CODE=... PROFILE=full

@@ -8,10 +8,12 @@ import pytest
 from synthetic import LATERAL_PROFILE, STROKE_M, write_run
 
 from analysis.comparison.findings import agreement, servo
-from analysis.comparison.findings.find import find
+from analysis.comparison.findings.find import RUNS_FOLDER, find
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
+from analysis.report import readme
+from analysis.report.report_data import PAPER_SCENARIOS
 from analysis.scenarios.scenario import load_scenario
 
 EXPONENTIAL = {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6}
@@ -217,3 +219,18 @@ def test_influence_is_measured_by_the_scatter_of_seeds(tmp_path):
     settled = row(table, quantity="settlement_m")
     assert settled["variant"] == "plates-fixed" and settled["cycle"] == 20
     assert settled["change_ratio"] == pytest.approx(0.5) and settled["scatters"] == pytest.approx(5.0)
+
+
+# ------------------------------------------------------------------ the README
+
+
+def test_the_readme_says_what_the_kept_runs_say():
+    """`make keep` of further runs takes a `make readme`."""
+    now = readme.README.read_text(encoding="utf-8")
+    found = find(load_runs(RUNS_FOLDER, quiet=True), load_references(), PAPER_SCENARIOS)
+    assert readme.with_results(now, found) == now, "run `make readme`"
+
+
+def test_a_readme_without_its_marks_is_refused(found):
+    with pytest.raises(ValueError, match="README.md: the lines .* are missing"):
+        readme.with_results("# A project", found)
