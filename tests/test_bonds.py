@@ -62,6 +62,7 @@ def test_bonds_are_the_same_on_two_ranks(packed, bonded_scenarios, tmp_path):
     one = go("liggghts", tmp_path / "one", bonded_scenarios, "--bed", packed, "--until", "preload")
     two = go("liggghts", tmp_path / "two", bonded_scenarios, "--bed", packed, "--until", "preload", "--ranks", 2)
     pairs = [
-        sorted((row["clump_1"], row["clump_2"]) for row in bonds(folder, "bonds_preloaded.csv")) for folder in (one, two)
+        sorted((row["clump_1"], row["clump_2"]) for row in bonds(folder, "bonds_preloaded.csv"))
+        for folder in (one, two)
     ]
     assert pairs[0] == pairs[1]

@@ -118,7 +118,11 @@ def run(probe: dict, folder: Path) -> None:
     scenario = Scenario.from_json(json.dumps(probe["scenario"]))
     law = ContactLaw(scenario, scenario["contact.model"])
     if probe["wall"]:
-        O.bodies.append(utils.wall(0.0, axis=2, sense=1, material="wall", mask=law.wall_mask))
+        if probe["wall"] == "block":
+            wall = utils.box((0, 0, 0), probe["block"], fixed=True, material="wall", mask=law.wall_mask)
+        else:
+            wall = utils.wall(0.0, axis=2, sense=1, material="wall", mask=law.wall_mask)
+        O.bodies.append(wall)
         O.bodies[0].state.mass = 0.0
     balls = [add_ball(ball, law.shells) for ball in probe["balls"]]
     spheres = [members for _, members in balls] + add_clumps(scenario, probe["clumps"], law.shells, folder)

@@ -21,7 +21,17 @@ from analysis.verification import probes
 from analysis.verification.verify import verify
 
 SOURCE = ROOT / "liggghts"
-CASES = ("head-on", "wall-dashpot", "oblique", "no-approach", "path", "clump-bounce", "clump-pair")
+CASES = (
+    "head-on",
+    "wall-dashpot",
+    "oblique",
+    "no-approach",
+    "path",
+    "block",
+    "free-rotation",
+    "clump-bounce",
+    "clump-pair",
+)
 BOND_CASES = ("bond-path", "bond-cantilever", "bond-energy", "bond-clumps")
 
 
@@ -61,22 +71,20 @@ MUTATIONS = (
         "friction includes the dashpot (eq. 4 and 12)",
         (
             (
-                "normal_model_ballast_linear.h",
-                "contact.Fn = response.elastic_force;",
-                "contact.Fn = response.total_force;",
-            ),
-            (
-                "normal_model_ballast_hysteretic.h",
-                "contact.Fn = response.elastic_force;",
-                "contact.Fn = response.total_force;",
+                "contact_batch.cpp",
+                "const double limit = c.friction * response.elastic_force;",
+                "const double limit = c.friction * response.total_force;",
             ),
         ),
     ),
     Mutation(
         "mass of the sphere instead of the clump's in the dashpot (eq. 6-7)",
         (
-            ("normal_model_ballast_linear.h", "-contact.vn, contact.meff,", "-contact.vn, 0.5 * contact.meff,"),
-            ("normal_model_ballast_hysteretic.h", "impact_speed, contact.meff,", "impact_speed, 0.5 * contact.meff,"),
+            (
+                "contact_batch.cpp",
+                "const double mass = c.mass_share * b.effective_mass[k];",
+                "const double mass = 0.5 * c.mass_share * b.effective_mass[k];",
+            ),
         ),
     ),
     Mutation(
@@ -95,7 +103,7 @@ MUTATIONS = (
             (
                 "contact_laws.h",
                 "if (damping_mode == 0) return loss / restitution;",
-                "if (damping_mode == 1) return loss / std::max(restitution, 0.01);",
+                "if (damping_mode == 1) return loss / (restitution > 0.01 ? restitution : 0.01);",
             ),
         ),
     ),
@@ -114,7 +122,7 @@ MUTATIONS = (
         (
             (
                 "contact_laws.h",
-                "const bool at_limit = damping * elastic >= critical * impact_speed;",
+                "const bool at_limit = damping * elastic >= highest * impact_speed;",
                 "const bool at_limit = impact_speed <= 0.0;",
             ),
         ),
@@ -124,8 +132,8 @@ MUTATIONS = (
         (
             (
                 "contact_laws.h",
-                "{elastic, std::max(0.0, elastic + coefficient * closing_speed), shear_stiffness, at_limit}",
-                "{elastic, elastic + coefficient * closing_speed, shear_stiffness, at_limit}",
+                "damping == 0.0 ? elastic : (damped > 0.0 ? damped : 0.0);",
+                "damping == 0.0 ? elastic : damped;",
             ),
         ),
     ),
@@ -143,16 +151,51 @@ MUTATIONS = (
         "approach speed renewed at every step (eq. 15)",
         (
             (
-                "normal_model_ballast_hysteretic.h",
-                "static_cast<double>(update->ntimestep))) return history[impact_speed_];",
-                "static_cast<double>(update->ntimestep)) && history[impact_speed_] < 0.0)"
-                " return history[impact_speed_];",
+                "contact_batch.cpp",
+                "const double impact_speed = is_new ? first_speed : b.impact_speed[k];",
+                "const double impact_speed = is_new ? first_speed : closing;",
             ),
         ),
     ),
     Mutation(
         "slip limit without friction's coefficient (eq. 4)",
-        (("tangential_model_ballast_slip.h", "friction_[contact.itype][contact.jtype] * contact.Fn", "contact.Fn"),),
+        (
+            (
+                "contact_batch.cpp",
+                "const double limit = c.friction * response.elastic_force;",
+                "const double limit = response.elastic_force;",
+            ),
+        ),
+    ),
+    Mutation(
+        "arm of the shear force to the surface instead of the middle of the overlap",
+        (
+            (
+                "contact_batch.cpp",
+                "const double arm_i = b.radius_i[k] - 0.5 * overlap,",
+                "const double arm_i = 1.1 * b.radius_i[k],",
+            ),
+        ),
+    ),
+    Mutation(
+        "clump spins about its axis with the transverse inertia",
+        (
+            (
+                "clump_motion.cpp",
+                "const double difference = 1.0 / c.inertia_axial - across;\n  double *const centre",
+                "const double difference = 0.0;\n  double *const centre",
+            ),
+        ),
+    ),
+    Mutation(
+        "a block has faces only, no edges",
+        (
+            (
+                "fix_wall.cpp",
+                "    length2 += distance[d] * distance[d];\n  }\n  side = 1.0;",
+                "    length2 = std::max(length2, distance[d] * distance[d]);\n  }\n  side = 1.0;",
+            ),
+        ),
     ),
 )
 MUTATIONS += tuple(

@@ -22,6 +22,9 @@ from analysis.files import ROOT
 from analysis.scenarios.scenario import Parameter, Scenario
 
 TIME_LIMIT_S = 250
+WALLS = ("", "linear", "hysteretic", "block")
+BLOCK_M = (0.03, 0.04, 0.05)
+"""Half the edges of the block of verification."""
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -56,7 +59,7 @@ class Probe:
     """One small case. Balls and clumps do not mix.
 
     wall -- "" for none, "linear" for the study's wall at z = 0, "hysteretic" for a wall with the particles' law
-            (LIGGGHTS only: the study has no such wall)
+            (LIGGGHTS only: the study has no such wall), "block" for a block about the origin
     path -- [(velocity, steps), ...]: the first ball moves so instead of freely
     spins -- spin of that ball in each part of the path; else it keeps its own
     gravity -- along -z, m/s2
@@ -139,7 +142,7 @@ def _run_yade(probes: list[Probe], folder: Path):
     folder.mkdir(parents=True, exist_ok=True)
     entries = []
     for probe in probes:
-        entry = asdict(replace(probe, scenario=None))
+        entry = asdict(replace(probe, scenario=None)) | {"block": BLOCK_M}
         entry["scenario"] = json.loads(probe.scenario.to_json())
         entries.append(entry)
     listing = folder / "probes.json"
@@ -201,13 +204,17 @@ def _liggghts_case(probe: Probe) -> str:
         "step": repr(float(probe.step)),
         "steps": probe.steps,
         "every": probe.every,
-        "wall": ("", "linear", "hysteretic").index(probe.wall),
+        "wall": WALLS.index(probe.wall),
+        "block": f'"{_list(end for half in BLOCK_M for end in (-half, half))}"',
         "gravity": repr(float(probe.gravity)),
     }
     if probe.balls:
         balls = probe.balls
         free = [not ball.held and not (probe.path and ball is balls[0]) for ball in balls]
-        values["reach"] = repr(float(1.01 * max(abs(c) + 2 * ball.radius for ball in balls for c in ball.position)))
+        moves = [[component * steps * probe.step for component in velocity] for velocity, steps in probe.path]
+        places = [ball.position for ball in balls] + list(balls[0].position + np.cumsum(moves or [[0.0] * 3], axis=0))
+        reach = max(abs(c) for place in places for c in place) + 2 * max(ball.radius for ball in balls)
+        values["reach"] = repr(float(1.01 * reach))
         values["any_free"], values["driven"] = int(any(free)), int(bool(probe.path))
         values["ball"] = " ".join(str(n) for n in range(1, len(balls) + 1))
         values["ball_place"] = " ".join(f'"{_list(ball.position)}"' for ball in balls)

@@ -17,6 +17,7 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.driver.engine import EngineError
+from analysis.verification.cases import blocks as verify_blocks
 from analysis.verification.cases import bonds as verify_bonds
 from analysis.verification.cases import clumps as verify_clumps
 from analysis.verification.cases import impacts as verify_impacts
@@ -26,7 +27,13 @@ from analysis.verification.cases import porosity as verify_porosity
 from analysis.verification.probes import EngineFailure, run_probes
 from analysis.verification.results import Results, write_rows
 
-PROBED = (*verify_impacts.CASES, *verify_paths.CASES, *verify_clumps.CASES, *verify_bonds.CASES)
+PROBED = (
+    *verify_impacts.CASES,
+    *verify_paths.CASES,
+    *verify_blocks.CASES,
+    *verify_clumps.CASES,
+    *verify_bonds.CASES,
+)
 STAGED = verify_load.CASES
 
 
