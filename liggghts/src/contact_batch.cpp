@@ -16,6 +16,8 @@ typedef double Lanes[ContactBatch::SIZE];
 /// All lanes are computed, also those without a contact: their results are not looked at.
 template <bool HYSTERETIC, bool ADVANCE>
 inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants &c, ContactBatch &b, double step, double time_step) {
+  double fresh[ContactBatch::SIZE];  // in a loop of its own: GCC 12 does not vectorise the comparison beside the rest
+  for (int k = 0; k < ContactBatch::SIZE; k++) fresh[k] = is_new_contact(b.last_touch_step[k], step) ? 1.0 : 0.0;
 #pragma omp simd
   for (int k = 0; k < ContactBatch::SIZE; k++) {
     // geometry: unit normal from the partner to i, overlap, arms from the centres to the middle of the overlap
@@ -36,7 +38,7 @@ inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants
     const double tz = vz - vn * nz - (ny * wx - nx * wy);
 
     // normal force
-    const bool is_new = is_new_contact(b.last_touch_step[k], step);
+    const bool is_new = fresh[k] != 0.0;
     const double mass = c.mass_share * b.effective_mass[k];
     NormalResponse response;
     if (HYSTERETIC) {
@@ -59,7 +61,7 @@ inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants
       const double uy = sy - out * ny + angle * (nz * sx - nx * sz);
       const double uz = sz - out * nz + angle * (nx * sy - ny * sx);
       const double size2 = sx * sx + sy * sy + sz * sz, turned2 = ux * ux + uy * uy + uz * uz;
-      const double keep_size = turned2 > 0.0 ? std::sqrt(size2 / turned2) : 0.0;
+      const double keep_size = std::sqrt(size2 / (turned2 > 0.0 ? turned2 : 1.0));
       const double share = is_new ? touching_share(overlap, closing, time_step) : 1.0;
       const double increment = response.shear_stiffness * time_step * share;
       sx = keep_size * ux - increment * tx;
@@ -69,8 +71,8 @@ inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants
 
     // friction limits it by the elastic part of the normal force
     const double limit = c.friction * response.elastic_force;
-    const double size2 = sx * sx + sy * sy + sz * sz;
-    const double cut = size2 > limit * limit ? limit / std::sqrt(size2) : 1.0;
+    const double size2 = sx * sx + sy * sy + sz * sz, size = std::sqrt(size2);
+    const double cut = size2 > limit * limit ? limit / size : 1.0;
     sx *= cut;
     sy *= cut;
     sz *= cut;

@@ -70,7 +70,8 @@ void PairBallast::init_granular() {
 void PairBallast::compute_force(PairGran *pair, int, int, int) {
   // LIGGGHTS' virials are not computed: nothing in this study asks for them
   pair->evflag = pair->vflag_fdotr = 0;
-  const double *const *const x = atom->x;
+  if (atom->nlocal == 0) return;
+  const double *const x = atom->x[0];  // LIGGGHTS' tables of vectors are contiguous: sphere i begins at 3 i
   const double *const radius = atom->radius;
   const NeighList &list = *pair->list;
   int *const *const flags = pair->listgranhistory->firstneigh;
@@ -82,14 +83,14 @@ void PairBallast::compute_force(PairGran *pair, int, int, int) {
   int count = 0;
   for (int n = 0; n < list.inum; n++) {
     const int i = list.ilist[n];
-    const double xi = x[i][0], yi = x[i][1], zi = x[i][2], radius_i = radius[i];
+    const double xi = x[3 * i], yi = x[3 * i + 1], zi = x[3 * i + 2], radius_i = radius[i];
     const int *const neighbours = list.firstneigh[i];
     int *const flags_i = flags[i];
     double *const histories_i = histories[i];
     const int number = list.numneigh[i];
     for (int m = 0; m < number; m++) {
       const int j = neighbours[m] & NEIGHMASK;
-      const double dx = xi - x[j][0], dy = yi - x[j][1], dz = zi - x[j][2], reach = radius_i + radius[j];
+      const double dx = xi - x[3 * j], dy = yi - x[3 * j + 1], dz = zi - x[3 * j + 2], reach = radius_i + radius[j];
       // written in any case, counted only where the spheres touch: no branch to guess
       touching[count] = {i, j, histories_i + m * width, flags_i + m};
       count += dx * dx + dy * dy + dz * dz < reach * reach;
@@ -102,17 +103,17 @@ void PairBallast::compute_force(PairGran *pair, int, int, int) {
 }
 
 void PairBallast::add_forces(const Touching *touching, int count, bool compute, bool advance) {
-  const double *const *const x = atom->x, *const *const v = atom->v, *const *const omega = atom->omega;
+  const double *const x = atom->x[0], *const v = atom->v[0], *const omega = atom->omega[0];
   const double *const radius = atom->radius, *const mass = atom->rmass;
   ContactBatch &b = batch_;
   for (int k = 0; k < count; k++) {
     const int i = touching[k].i, j = touching[k].j;
     const double *const history = touching[k].history;
     for (int d = 0; d < 3; d++) {
-      b.distance[d][k] = x[i][d] - x[j][d];
-      b.velocity[d][k] = v[i][d] - v[j][d];
-      b.spin_i[d][k] = omega[i][d];
-      b.spin_j[d][k] = omega[j][d];
+      b.distance[d][k] = x[3 * i + d] - x[3 * j + d];
+      b.velocity[d][k] = v[3 * i + d] - v[3 * j + d];
+      b.spin_i[d][k] = omega[3 * i + d];
+      b.spin_j[d][k] = omega[3 * j + d];
       b.shear[d][k] = history[SHEAR + d];
     }
     b.radius_i[k] = radius[i];
@@ -135,19 +136,19 @@ void PairBallast::add_forces(const Touching *touching, int count, bool compute, 
       if (hysteretic_) history[IMPACT_SPEED] = b.impact_speed[k];
     }
   if (!compute) return;
-  double *const *const f = atom->f, *const *const torque = atom->torque;
+  double *const f = atom->f[0], *const torque = atom->torque[0];
   const int nlocal = atom->nlocal;
   for (int k = 0; k < count; k++) {
     const int i = touching[k].i, j = touching[k].j;
     *touching[k].flag = 1;
     for (int d = 0; d < 3; d++) {
-      f[i][d] += b.force[d][k];
-      torque[i][d] -= b.arm_i[k] * b.turn[d][k];
+      f[3 * i + d] += b.force[d][k];
+      torque[3 * i + d] -= b.arm_i[k] * b.turn[d][k];
     }
     if (j >= nlocal) continue;
     for (int d = 0; d < 3; d++) {
-      f[j][d] -= b.force[d][k];
-      torque[j][d] -= b.arm_j[k] * b.turn[d][k];
+      f[3 * j + d] -= b.force[d][k];
+      torque[3 * j + d] -= b.arm_j[k] * b.turn[d][k];
     }
   }
 }
