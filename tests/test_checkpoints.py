@@ -6,7 +6,7 @@ import pytest
 from driver import damage
 
 from analysis.driver import checkpoints, locks, rawfiles
-from analysis.formats.growing_csv import GrowingCsv
+from analysis.formats.growing_csv import GrowingCsv, RowsByStep
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -130,6 +130,17 @@ def test_a_row_is_read_once_and_only_when_its_line_has_ended(tmp_path):
     with open(path, "a") as file:
         file.write("4\n")
     assert tail.new_rows() == [{"step": "3", "x": "4"}] and tail.new_rows() == []
+
+
+def test_rows_by_step_are_taken_once_and_kept(tmp_path):
+    path = tmp_path / "cyclic.csv"
+    path.write_text("step,x\n1,2\n")
+    rows = RowsByStep(path, ("step", "x"))
+    assert rows.update() == {1: {"step": "1", "x": "2"}}  # somebody else looked first
+    with open(path, "a") as file:
+        file.write("2,3\n3,")
+    assert rows.take() == [{"step": "1", "x": "2"}, {"step": "2", "x": "3"}] and rows.take() == []
+    assert set(rows.rows) == {1, 2}
 
 
 def test_a_lock_is_held_by_one(tmp_path):

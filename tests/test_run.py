@@ -546,6 +546,46 @@ def test_a_clump_that_leaves_ends_the_run_in_one_line(tmp_path):
     assert read_record(folder)["state"] == "failed" and cycles_done(folder) == 2
 
 
+def test_a_place_that_cannot_be_written_is_one_line_with_a_remedy(tmp_path):
+    (tmp_path / "file").write_text("")
+    done = drive(FAKE, *LINEAR, "--results", tmp_path / "file")
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "Not a directory; " in done.stderr and "None" not in done.stderr
+
+
+@pytest.mark.parametrize("code, commands", [("yade", 3), ("liggghts", 3)])
+def test_a_prepared_run_starts_nothing_and_its_deck_tells_what_each_value_is(tmp_path, code, commands):
+    ballast = (FAKE[0], "-m", "analysis", "prepare")
+    done = drive(ballast, "linear-mu0.8", "--code", code, "--results", tmp_path)
+    folder = run_folder(tmp_path, "linear-mu0.8", code)
+    said = done.stdout.splitlines()[1:]
+    assert done.returncode == 0 and len(said) == commands, done.stderr
+    for stage, line in zip(("packing", "preload", "cyclic"), said, strict=True):
+        assert f"{code}/{stage}." in line and str(folder) in line
+    assert (folder / "raw" / "bed_start.csv").exists() and not (folder / "raw" / "state.csv").exists()
+    if code == "liggghts":
+        lines = (folder / "parameters.in").read_text().splitlines()
+        assert "# [contact.particle_particle]" in lines and all(len(line) < 2000 for line in lines)
+        (friction,) = [line for line in lines if line.startswith("variable contact_particle_particle_friction ")]
+        assert friction.split("#")[1].strip() == "-, reported: Table 1"
+    again = drive(FAKE, "linear-mu0.8", "--code", code, "--cycles", 1, "--results", tmp_path)
+    assert again.returncode == 0, again.stderr
+
+
+def test_a_run_that_takes_a_bed_is_prepared_with_it(finished, tmp_path):
+    results, _ = finished
+    ballast = (FAKE[0], "-m", "analysis", "prepare")
+    done = drive(ballast, "nonlinear-en1.0", "--code", "yade", "--results", results)
+    folder = run_folder(results, "nonlinear-en1.0", "yade")
+    assert done.returncode == 0 and [f"yade/{stage}.py" in done.stdout for stage in ("packing", "preload")] == [
+        False,
+        True,
+    ]
+    assert (folder / "raw" / "bed_packed.csv").exists()
+    refused = drive(ballast, "nonlinear-en1.0", "--code", "liggghts", "--results", results)
+    assert refused.returncode == 1 and "bed_packed.csv" in refused.stderr and len(refused.stderr.splitlines()) == 1
+
+
 def test_a_missing_engine_is_one_line(tmp_path):
     done = drive((FAKE[0], "-m", "analysis", "run"), *LINEAR, "--results", tmp_path, env={"PATH": str(tmp_path)})
     assert (done.returncode, done.stderr) == (1, "yade: not installed; run `make setup`\n")

@@ -28,7 +28,7 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
     """Copy the normalised files of the run in `folder` to `target`, in place of what was kept there; say what they are.
 
     Raises KeepError for a run that is not there, is running, lacks files or (unless `failed`) has failed, InputError
-    where run.json is damaged, and OSError where a file cannot be copied; `target` is then as it was.
+    where run.json or cycles.csv is damaged, and OSError where a file cannot be copied; `target` is then as it was.
     """
     try:
         body = RunRecord.read(folder)
@@ -42,6 +42,7 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
     for name in NEEDED:
         if not (folder / name).is_file():
             raise KeepError(f"{folder}/{name}: is missing; what is left is no complete result: run the scenario again")
+    what = f"{state}, {cycles_done(folder)} of {cycles_asked(folder)} cycles" + (f" ({reason})" if reason else "")
     new, old = (target.with_name(f".{target.name}.{word}") for word in ("new", "old"))
     target.parent.mkdir(parents=True, exist_ok=True)
     shutil.rmtree(new, ignore_errors=True)
@@ -59,7 +60,7 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
         target.rename(old)
     new.rename(target)
     shutil.rmtree(old, ignore_errors=True)
-    return f"{state}, {cycles_done(target)} of {cycles_asked(target)} cycles" + (f" ({reason})" if reason else "")
+    return what
 
 
 def add_arguments(parser: Parser) -> None:

@@ -15,6 +15,8 @@ from analysis.driver.locks import Busy, hold
 from analysis.driver.run import engine_command, unusable
 from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import RunError
+from analysis.formats.errors import InputError
+from analysis.scenarios.scenario import ScenarioError
 
 
 def prepare(settings: RunSettings, engine: Engine) -> str:
@@ -49,7 +51,7 @@ def execute(chosen: argparse.Namespace) -> int:
     try:
         settings = options.settings(chosen)
         commands = prepare(settings, ENGINES[settings.code])
-    except (RunError, ValueError) as error:  # InputError and ScenarioError are ValueErrors
+    except (RunError, InputError, ScenarioError) as error:
         print(error, file=sys.stderr)
         return 1
     except OSError as error:

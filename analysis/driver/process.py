@@ -23,7 +23,8 @@ class EngineProcess:
     """A running engine whose output goes to a log file."""
 
     def __init__(self, argv: list[str], log: Path, threads: int = 1):
-        if not shutil.which(argv[0], path=os.environ.get("PATH", os.defpath)):
+        program = str(ROOT / argv[0]) if "/" in argv[0] else argv[0]
+        if not shutil.which(program, path=os.environ.get("PATH", os.defpath)):
             raise EngineError(f"{Path(argv[0]).name}: not installed; run `make setup`")
         log.parent.mkdir(exist_ok=True)
         self.log = log

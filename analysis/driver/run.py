@@ -27,6 +27,7 @@ from analysis.driver.rawfiles import cut_stage, last_step, start_stage
 from analysis.driver.record import Record, stored_record
 from analysis.driver.settings import RunSettings, from_here
 from analysis.driver.supervise import DISK_FULL, Interrupted, RunError, StopRequest, Supervisor
+from analysis.formats.errors import InputError
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError
 
@@ -307,7 +308,7 @@ def run(settings: RunSettings, engines: Mapping[str, Engine] = ENGINES) -> int:
         if settings.cycles is None and (asked := cycles_asked(settings.folder)) > settings.scenario["loading.cycles"]:
             settings = settings.with_cycles(asked)  # the same command without CYCLES goes on to where the run was going
         Run(settings, stop, engines).go()
-    except (EngineError, RunError, ValueError) as error:  # InputError and ScenarioError are ValueErrors
+    except (EngineError, RunError, InputError, ScenarioError) as error:
         print(error, file=sys.stderr)
         return 1
     except Interrupted:

@@ -83,9 +83,13 @@ class Supervisor:
         # At step 0 the engine still has to write the first row.
         self.row_step = self.state_step = (start.step(self.grid) if start else 0) or None
         self.watch = Watch(scenario, stage, self.row_step, self._clumps_after_preload() if start else None)
-        self._state, self._load = GrowingCsv(self.raw / "state.csv"), GrowingCsv(self.raw / f"{stage}.csv")
-        self._state.skip()
-        self._load.skip()
+        # Each row is read once: in cyclic loading the normaliser keeps those that it needs for its tables.
+        if normaliser:
+            self._new_states, self._new_loads = normaliser.state.take, normaliser.loading.take
+        else:
+            files = (GrowingCsv(self.raw / name) for name in ("state.csv", f"{stage}.csv"))
+            self._new_states, self._new_loads = (file.new_rows for file in files)
+        self._new_states(), self._new_loads()  # rows of earlier starts and stages
         self._meter, self._last = Meter(), {}
         self._seen = self._beat = time.monotonic()
 
@@ -122,7 +126,7 @@ class Supervisor:
         """Take in all output since the last look. What came before a divergence is still finished and certified."""
         diverged = None
         try:
-            for row in (rows := self._state.new_rows()):
+            for row in (rows := self._new_states()):
                 self.watch.state(row)
                 self.state_step, self._last = int(row["step"]), row
             if rows:
@@ -131,7 +135,7 @@ class Supervisor:
         except Diverged as error:
             diverged = error
         try:
-            for row in self._load.new_rows():
+            for row in self._new_loads():
                 self.watch.load(row)
                 self.row_step = int(row["step"])
         except Diverged as error:

@@ -64,10 +64,6 @@ class GrowingCsv:
         """Read from the start again: after the file was cut or replaced."""
         self._offset, self._places, self._width = 0, {}, 0
 
-    def skip(self) -> None:
-        """Pass over the rows that exist already."""
-        self.new_rows()
-
     def new_rows(self) -> list[Row]:
         """Complete rows since the last look, as texts by column; lines of another width were torn and are passed over.
 
@@ -136,10 +132,18 @@ class RowsByStep(GrowingCsv):
     def forget(self) -> None:
         super().forget()
         self.rows: dict[int, Row] = {}
+        self._untaken: list[Row] = []
+
+    def take(self) -> list[Row]:
+        """Read what is new; every row that was read since the last call, for whoever looks at each row once."""
+        self.update()
+        rows, self._untaken = self._untaken, []
+        return rows
 
     def update(self) -> dict[int, Row]:
         """Read what is new; all rows kept so far."""
         for row in self.new_rows():
+            self._untaken.append(row)
             if row["step"].strip().isdigit() and self._stage in (None, row.get("stage")):
                 self.rows[int(row["step"])] = row
         return self.rows

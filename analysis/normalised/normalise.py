@@ -26,6 +26,8 @@ class NormaliseError(ValueError):
 class Normaliser:
     """Writes the normalised files of one run folder.
 
+    `loading` and `state` are the rows of raw/cyclic.csv and raw/state.csv that it has read so far.
+
     normaliser = Normaliser(run_dir, scenario)
     normaliser.before()                 # when preload has ended
     normaliser.rewind(n)                # when cyclic loading starts from the checkpoint after n cycles (also n = 0)
@@ -44,8 +46,8 @@ class Normaliser:
         self._microstructure = CycleTable(
             self.folder / "microstructure.csv", file_columns.MICROSTRUCTURE, numbers.short
         )
-        self._loading = RowsByStep(self._raw / "cyclic.csv", file_columns.RAW_LOADING)
-        self._state = RowsByStep(self._raw / "state.csv", file_columns.RAW_STATE, stage="cyclic")
+        self.loading = RowsByStep(self._raw / "cyclic.csv", file_columns.RAW_LOADING)
+        self.state = RowsByStep(self._raw / "state.csv", file_columns.RAW_STATE, stage="cyclic")
         self._spheres = self._first_bed = self._done = None
 
     # ------------------------------------------------------------------ what the driver calls
@@ -60,8 +62,8 @@ class Normaliser:
         return (
             self._bed(n).exists()
             and (not self._keeps(n) or self._contacts(n).exists())
-            and step in self._update(self._loading)
-            and step in self._update(self._state)
+            and step in self._update(self.loading)
+            and step in self._update(self.state)
         )
 
     def cycle(self, n: int) -> dict[str, float]:
@@ -105,8 +107,8 @@ class Normaliser:
         self._microstructure.append([structure])
         self._cycles.append([[row[name] for name in file_columns.CYCLES]])
         self._done = n
-        self._loading.drop_until(n * self._grid.steps_per_cycle, but=0)
-        self._state.drop_until(n * self._grid.steps_per_cycle)
+        self.loading.drop_until(n * self._grid.steps_per_cycle, but=0)
+        self.state.drop_until(n * self._grid.steps_per_cycle)
         if n > 1 and not self._keeps(n - 1):
             self._bed(n - 1).unlink(missing_ok=True)
         return row
@@ -140,8 +142,8 @@ class Normaliser:
 
     def _begin(self, n: float) -> None:
         """Make the tables end with cycle `n`, or with the last cycle done where that comes first."""
-        self._loading.forget()
-        self._state.forget()
+        self.loading.forget()
+        self.state.forget()
         source, target = self._raw / "bed_preloaded.csv", self.folder / "bed_before.csv"
         self._first_bed = self._read(beds.read_bed, source)
         text = source.read_text()
@@ -195,7 +197,7 @@ class Normaliser:
             raise NormaliseError(f"raw/{error}") from None
 
     def _row(self, step: int) -> Row:
-        rows = self._loading.rows if step in self._loading.rows else self._update(self._loading)
+        rows = self.loading.rows if step in self.loading.rows else self._update(self.loading)
         if step not in rows:
             raise NormaliseError(
                 f"raw/cyclic.csv: the row of step {step} is missing; go back to the checkpoint before it"
@@ -225,7 +227,7 @@ class Normaliser:
 
     def _state_row(self, n: int) -> dict[str, float]:
         step = n * self._grid.steps_per_cycle
-        row = self._update(self._state).get(step)
+        row = self._update(self.state).get(step)
         if row is None:
             raise NormaliseError(
                 f"raw/state.csv: the row of step {step} of stage cyclic is missing; go back to the checkpoint before it"
