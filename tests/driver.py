@@ -27,10 +27,10 @@ def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:
     )
 
 
-def drive(driver: tuple[str, ...], *arguments, **options) -> subprocess.CompletedProcess:
-    """Run the driver to its end."""
+def drive(driver: tuple[str, ...], *arguments, limit_s: float | None = 500, **options) -> subprocess.CompletedProcess:
+    """Run the driver to its end, at most so many seconds."""
     process = start(driver, *arguments, **options)
-    out, err = process.communicate(timeout=500)
+    out, err = process.communicate(timeout=limit_s)
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 

@@ -24,6 +24,7 @@ from collections import Counter
 from pathlib import Path
 
 from driver import REAL, copy_run, drive, engines_of, results_of, run_folder, start, wait_until
+from small_bed import write_scenarios
 
 from analysis.driver.engines import CODES
 from analysis.scenarios.study import key_scenarios
@@ -54,7 +55,7 @@ class Tormentor:
                 break
             self.longest_s *= 1.05
         else:
-            last = drive(self.driver, *self.arguments)
+            last = drive(self.driver, *self.arguments, limit_s=None)
             assert last.returncode == 0, last.stdout + last.stderr
         assert results_of(self.folder) == results_of(self.expected), self.report()
 
@@ -121,12 +122,14 @@ def _kill(pid: int, number: int) -> None:
 def torment(code: str, scenario: str, options: argparse.Namespace, work: Path) -> str:
     """Disturb runs of a scenario in a code until there were enough disturbances; return what was done."""
     common = [scenario, "--code", code, "--profile", options.profile, "--cycles", options.cycles]
+    if options.small:
+        common += ["--scenarios", write_scenarios(work / "scenarios.toml")]
     base, calm = work / "preloaded", work / "calm"
     for results, until in ((base, ["--until", "preload"]), (calm, [])):
         target = run_folder(results, scenario, code, options.profile)
         if until == [] and not target.exists():
             copy_run(run_folder(base, scenario, code, options.profile), target)
-        done = drive(REAL, *common, "--results", results, *until, timeout=None)
+        done = drive(REAL, *common, "--results", results, *until, limit_s=None)
         assert done.returncode == 0, done.stdout + done.stderr
     expected = run_folder(calm, scenario, code, options.profile)
     moments, done = random.Random(f"{options.seed} {code} {scenario}"), Counter()
@@ -153,6 +156,9 @@ def main() -> int:
     parser.add_argument("--code", choices=CODES, action="append", help="only this code")
     parser.add_argument("--scenario", action="append", help="only this scenario")
     parser.add_argument("--profile", default="demo")
+    parser.add_argument(
+        "--small", action="store_true", help="the small bed of the other tests: minutes instead of an hour"
+    )
     parser.add_argument("--cycles", type=int, default=3)
     parser.add_argument("--times", type=int, default=25, help="disturbances per code and scenario (default 25)")
     parser.add_argument("--seed", default="1", help="of the random moments, signals and targets")
@@ -164,6 +170,7 @@ def main() -> int:
     failed = 0
     with tempfile.TemporaryDirectory(prefix="torture-") as temporary:
         work = (options.work or Path(temporary)).resolve()
+        work.mkdir(parents=True, exist_ok=True)
         for scenario in options.scenario or key_scenarios():
             for code in options.code or CODES:
                 try:
