@@ -380,14 +380,15 @@ HEADER = ",".join(file_columns.BED)
     "text, said",
     [
         (None, "No such file"),
-        ("", "is not a bed file"),
-        (HEADER + "\n", "a row per clump"),
-        ("x,y,z\n1,2,3\n", "is not a bed file"),
-        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,soft\n", "all numbers"),
-        (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is not a pose"),
-        (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "unit quaternion"),
+        ("", "line 1 is not id,x_m"),
+        (HEADER + "\n", "holds no clumps"),
+        ("x,y,z\n1,2,3\n", "line 1 is not id,x_m"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,soft\n", "line 2 is no clump"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is no clump"),
+        (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "line 2 has a quaternion of length 2"),
+        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n1,0.1,0.05,0.2,1,0,0,0\n", "line 3 gives clump 1 again"),
         (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n2,0.1,0.59,0.1,1,0,0,0\n", "line 3 lies outside the box"),
-        (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2 lies outside the box"),
+        (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2: z_m"),
     ],
 )
 def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
