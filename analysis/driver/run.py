@@ -86,6 +86,7 @@ class Run:
 
         def waiting() -> bool:
             self.stop.check()
+            self._renew()
             self.progress.update("waiting for another process that packs this bed")
             return not self.bed_file.exists()
 
@@ -101,6 +102,10 @@ class Run:
                     self._guard(self._make_bed)
         except Busy:
             pass  # it has been packed meanwhile
+
+    def _renew(self) -> None:
+        for lock in self.locks:
+            lock.renew()
 
     def _has_bed(self) -> bool:
         """True where packing is done, or what came after it is."""
@@ -255,10 +260,6 @@ class Run:
             body.steps[stage] = steps
             self.record.save(clumps=body.clumps if clumps is None else clumps)
 
-        def renew() -> None:
-            for lock in self.locks:
-                lock.renew()
-
         supervisor = Supervisor(
             self.folder,
             self.scenario,
@@ -266,7 +267,7 @@ class Run:
             self.stop,
             self.progress,
             heartbeat=heartbeat,
-            renew=renew,
+            renew=self._renew,
             normaliser=self.normaliser if stage == "cyclic" else None,
             start=start,
         )
