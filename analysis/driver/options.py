@@ -21,7 +21,7 @@ def whole(text: str) -> int:
 
 def path(text: str) -> Path:
     """An absolute path. A path with a line break or a zero byte is a mistake."""
-    if not text or not text.isprintable():
+    if not text or min(text) < " ":
         raise argparse.ArgumentTypeError(f"{text[:40]!r} is no path")
     return Path(text).resolve()
 
