@@ -85,7 +85,7 @@ def run_folder(results: Path, scenario: str, code: str, profile: str = "demo") -
 
 def results_of(folder: Path) -> dict[str, bytes]:
     """The normalised files, and run.json without what may differ between equal runs of the same code."""
-    free = ("timing", "resumes", "parts", "command", "git_commit", "git_dirty")
+    free = ("timing", "resumes", "parts", "repeatable", "command", "git_commit", "git_dirty")
     return {name: (folder / name).read_bytes() for name in NORMALISED} | {
         key: value for key, value in read_record(folder).items() if key not in free
     }
