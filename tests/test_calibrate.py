@@ -1,6 +1,5 @@
 """The calibration of the packing: which beds it tries, and what it reads from them."""
 
-import argparse
 import math
 import shutil
 
@@ -9,6 +8,8 @@ from synthetic import write_run
 
 from analysis.__main__ import main as ballast
 from analysis.driver import calibrate
+from analysis.driver.liggghts import Liggghts
+from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import StopRequest
 from analysis.files import write_csv
 from analysis.normalised.readers import Run, load_runs
@@ -76,7 +77,8 @@ def test_a_damaged_table_is_refused_in_a_line_with_the_remedy(tmp_path, text, sa
 
 
 def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, monkeypatch, capsys):
-    def tried(scenario, options, stop):
+    def tried(settings, stop):
+        scenario = settings.scenario
         state = "failed" if scenario["clump.aspect"] == 2 else "finished"
         folder = write_run(
             tmp_path / f"{scenario['clump.aspect']}",
@@ -89,7 +91,7 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
         return Run(folder)
 
     monkeypatch.setattr(calibrate, "load", tried)
-    monkeypatch.setattr(calibrate, "versions", lambda code: {})
+    monkeypatch.setattr(Liggghts, "version", lambda engine: "liggghts 1")
     out = tmp_path / "calibration.csv"
     code = ballast(
         ["calibrate", "--profile", "demo", "--gaps", "--aspects", "1.8", "2", "--cycles", "3", "--out", str(out)]
@@ -108,8 +110,7 @@ def test_a_bed_that_failed_is_not_tried_again_but_its_packing_is_known(tmp_path,
     (folder / "stages.json").unlink()
     (folder / "raw").mkdir(exist_ok=True)
     shutil.copy(folder / "bed_before.csv", folder / "raw" / "bed_packed.csv")
-    options = argparse.Namespace(results=tmp_path, code="liggghts", seed=1, progress="lines")
-    result = calibrate.load(scenario, options, StopRequest())
+    result = calibrate.load(RunSettings(scenario, "liggghts", results=where), StopRequest())
     row = calibrate.row(scenario, result)
     assert "loads not met" in capsys.readouterr().err and row["state"] == "failed"
     assert row["clumps"] == len(result.bed("before")) and 0 < row["porosity_mean"] < 1

@@ -1,6 +1,7 @@
 """The driver alone, with an engine that computes nothing worth the time: resume, refuse, stop, fail."""
 
 import json
+import os
 import random
 import re
 import shutil
@@ -600,3 +601,11 @@ def test_until_pauses_after_a_stage_and_goes_on(tmp_path, undisturbed):
         assert (folder / product).exists() and read_record(folder)["state"] == "interrupted"
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
     assert results_of(folder) == results_of(undisturbed)
+
+
+def test_a_run_does_not_depend_on_locale_or_temporary_folder(undisturbed, tmp_path):
+    odd = {"LC_ALL": "C", "LANG": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "TMPDIR": "/nonexistent"}
+    results = tmp_path / "n\u00e4chste"
+    done = drive(FAKE, *LINEAR, "--results", results, env=os.environ | odd)
+    assert done.returncode == 0, done.stderr
+    assert results_of(run_folder(results, "linear-mu0.8", "yade")) == results_of(undisturbed)

@@ -100,10 +100,11 @@ class RunRecord:
         return record
 
     def to_dict(self) -> dict:
-        """The content in the order of the file; an empty variant is left out."""
+        """The content in the order of the file; what was not known yet when it was written stays out."""
         body = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name not in ("more", "timing")}
-        if not self.variant:
-            del body["variant"]
+        for name, unknown in (("variant", ""), ("parts", []), ("repeatable", None)):
+            if body[name] == unknown:
+                del body[name]
         return body | self.more | {"timing": dataclasses.asdict(self.timing)}
 
     def write(self, folder: Path) -> None:
