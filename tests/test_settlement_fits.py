@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from analysis.comparison import settlement_fits
 from analysis.comparison.settlement_fits import choose, evaluate, fit
@@ -169,3 +170,19 @@ def test_every_law_has_a_formula_for_people():
     assert set(settlement_fits.CHOICES) == set(settlement_fits.LAWS) and all(
         law.formula for law in settlement_fits.LAWS.values()
     )
+
+
+@pytest.mark.parametrize("law, memory, count", [("line", 0.8, 150), ("exponential", 0.8, 60), ("exponential", 0.6, 60)])
+def test_intervals_cover_as_often_where_neighbouring_cycles_are_alike(law, memory, count):
+    """95 % intervals over 100 cycles whose scatter has a memory; taken as known, the memory gives 82 to 92 %.
+
+    Of 60 (150) intervals that hold with probability 0.95, 53 (135) or more hold in 99 % of all cases.
+    """
+    n, held = CYCLES[:100], Counter()
+    for seed in range(count):
+        kicks = np.sqrt(1 - memory**2) * np.random.default_rng([seed, count]).standard_normal(len(n))
+        kicks[0] /= np.sqrt(1 - memory**2)
+        scatter = 1e-4 * lfilter([1], [1, -memory], kicks)
+        fitted = fit(law, n, evaluate(law, TRUE[law], n) + scatter)
+        held.update(name for name, (low, high) in fitted.intervals.items() if low <= TRUE[law][name] <= high)
+    assert set(held) == set(TRUE[law]) and min(held.values()) >= (53 if count == 60 else 135), held

@@ -13,8 +13,10 @@ information criterion (BIC) chooses law and scatter together. AICc does not serv
 line, and AICc would take it for a noisy line of 1000 cycles in one case out of five.
 
 All laws are linear in all parameters but one (c, or the power), so the fit is a search along that one with linear least
-squares inside: no starting values, no missed minima. Confidence intervals are those of the profile likelihood: all
-values of a parameter that some choice of the others makes likely enough; they need not be symmetric.
+squares inside: no starting values, no missed minima. Confidence intervals are those of the profile of the restricted
+likelihood (Harville 1977): all values of a parameter that some choice of the others, and of the memory, makes likely
+enough; they need not be symmetric. With the fitted memory taken as known they would cover 82 to 92 % instead of 95 where
+neighbouring cycles are alike, because a fit takes part of a long memory for trend.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ STRONG = 6.0
 """BIC difference from which evidence is strong (Kass and Raftery 1995)."""
 COMPLETE = 0.9999
 """Memory of a random walk: a little less than 1, where the likelihood is not defined."""
+WALK = 21.8
+"""Count x (1 - correlation) below which a random walk is not excluded: 5 % limit of Dickey and Fuller (1979) with trend."""
 CHOICES = ("exponential", "logarithm", "power", "line")
 
 
@@ -119,6 +123,11 @@ def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "consta
 
     Raises ValueError where there are too few points or values that are no number.
     """
+    return _best(law, n, s, scatter).describe(level)
+
+
+def _best(law: str, n: Sequence[float], s: Sequence[float], scatter: str) -> _Fitted:
+    """The most likely parameters; raises ValueError as `fit` does."""
     n, s = np.asarray(n, dtype=float), np.asarray(s, dtype=float)
     rule = LAWS[law]
     if len(n) < len(rule.parameters) + 2:
@@ -136,7 +145,7 @@ def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "consta
         if max(np.max(np.abs(new_weight / weight - 1)), abs(new_memory - memory)) < 1e-3:
             break
         weight, memory = new_weight, new_memory
-    return _describe(problem, x, unit, scatter, level)
+    return _Fitted(problem, x, unit, scatter)
 
 
 def _whiten(columns: np.ndarray, weight: np.ndarray, memory: float) -> np.ndarray:
@@ -161,14 +170,24 @@ def _memory(residual: np.ndarray) -> float:
     r = float(np.sum(residual[1:] * residual[:-1]) / max(np.sum(residual**2), 1e-300))
     if r < 2 / np.sqrt(count):
         return 0.0
-    return COMPLETE if count * (1 - r) < 21.8 else r
+    return COMPLETE if count * (1 - r) < WALK else r
+
+
+def _likely_memories(memory: float, count: int) -> list[float]:
+    """Memories to profile over: some standard errors about the fitted one (in artanh), more of them above, because a fit
+    takes part of a long memory for trend; always a random walk, and from a walk down to what is excluded as one.
+    """
+    if memory == COMPLETE:
+        return sorted(1 - np.geomspace(min(1.0, WALK / count), 1 - COMPLETE, 8))
+    steps = np.arctanh(memory) + np.array([-3, -2, -1, 0, 1, 2, 3, 4.5, 6]) / np.sqrt(count)
+    return sorted({*np.clip(np.tanh(steps), 0, COMPLETE), memory, COMPLETE})
 
 
 class _Problem:
     """One law on one curve at given weights and memory: least squares in the linear parameters, by the inner one."""
 
     def __init__(self, rule: Law, n: np.ndarray, s: np.ndarray, weight: np.ndarray, memory: float):
-        self.rule, self.n, self.weight, self.memory = rule, n, weight, memory
+        self.rule, self.n, self.s, self.weight, self.memory = rule, n, s, weight, memory
         self._target = _whiten(s, weight, memory)
         self.low, self.high = (rule.scale(v) for v in rule.limits(n)) if rule.inner else (0.0, 0.0)
 
@@ -198,6 +217,26 @@ class _Problem:
         )
         return float(best.x if best.fun <= sums[k] else grid[k])
 
+    def at_memory(self, memory: float, x: float) -> tuple[_Problem, float]:
+        """The same curve at another memory, and the best `x` there: no farther than a fifth of the range from this."""
+        other = _Problem(self.rule, self.n, self.s, self.weight, memory)
+        if self.rule.inner is None:
+            return other, 0.0
+        reach = (self.high - self.low) / 5
+        ends = max(self.low, x - reach), min(self.high, x + reach)
+        return other, float(minimize_scalar(other.sum, method="bounded", bounds=ends, options={"xatol": 1e-5}).x)
+
+    def information(self, x: float) -> float:
+        """Logarithm of the determinant of the normal matrix at `x`, all parameters, in units free of the memory."""
+        columns = self.rule.columns(self.n, self.rule.unscale(x))
+        if self.rule.inner is not None:
+            step = 1e-5
+            ahead, behind = (self.rule.columns(self.n, self.rule.unscale(x + d)) for d in (step, -step))
+            columns = np.column_stack([columns, (ahead - behind) @ self.solve(x)[1] / (2 * step)])
+        size = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+        white = _whiten(columns / np.where(size > 0, size, 1), self.weight, self.memory)
+        return float(np.linalg.slogdet(white.T @ white + 1e-14 * np.eye(len(size)))[1])
+
     def accepted(self, x: float, allowed: float) -> tuple[float, float]:
         """The range about `x` in which the sum of squares stays below `allowed`."""
         if self.rule.inner is None:
@@ -224,35 +263,66 @@ class _Problem:
         return ranges
 
 
-def _describe(problem: _Problem, x: float, unit: float, scatter: str, level: float) -> Fit:
-    rule, n, memory, count = problem.rule, problem.n, problem.memory, len(problem.n)
-    total, linear, _ = problem.solve(x)
-    unknowns = len(rule.parameters)
-    variance = total / (count - unknowns)
-    ranges = problem.intervals(x, total + student.ppf(0.5 + level / 2, count - unknowns) ** 2 * variance)
-    values = dict(zip((p for p in rule.parameters if p != rule.inner), linear, strict=True))
-    if rule.inner:
-        values[rule.inner] = rule.unscale(x)
-    sized = {p: 1.0 if p == rule.inner else unit for p in sorted(values)}
-    # -2 log likelihood; unknowns of the scatter: its size and, where there is any, its memory.
-    likelihood = (
-        count * (np.log(2 * np.pi * max(total / count, 1e-300)) + 1)
-        - 2 * np.sum(np.log(problem.weight))
-        - np.log(1 - memory**2)
-        + 2 * count * np.log(unit)
-    )
-    bic = likelihood + (unknowns + 1 + (memory > 0)) * np.log(count)
-    return Fit(
-        rule.name,
-        {p: float(values[p] * f) for p, f in sized.items()},
-        {p: (float(ranges[p][0] * f), float(ranges[p][1] * f)) for p, f in sized.items()},
-        scatter,
-        float(np.sqrt(variance) * (unit if scatter == "constant" else 1.0)),
-        memory,
-        float(bic),
-        (int(n[0]), int(n[-1])),
-        bool(rule.inner) and not problem.low + 1e-3 < x < problem.high - 1e-3,
-    )
+@dataclass(frozen=True)
+class _Fitted:
+    """The most likely parameters of one law, before anybody asks how certain they are."""
+
+    problem: _Problem
+    x: float
+    unit: float
+    scatter: str
+
+    @property
+    def bic(self) -> float:
+        """Bayesian information criterion; the scatter's unknowns are its size and, where there is any, its memory."""
+        problem, count = self.problem, len(self.problem.n)
+        likelihood = (  # -2 log
+            count * (np.log(2 * np.pi * max(problem.sum(self.x) / count, 1e-300)) + 1)
+            - 2 * np.sum(np.log(problem.weight))
+            - np.log(1 - problem.memory**2)
+            + 2 * count * np.log(self.unit)
+        )
+        return float(likelihood + (len(problem.rule.parameters) + 1 + (problem.memory > 0)) * np.log(count))
+
+    def intervals(self, level: float) -> dict[str, tuple[float, float]]:
+        """Range of each parameter, in the problem's units, over all memories that are likely enough."""
+        degrees = len(self.problem.n) - len(self.problem.rule.parameters)
+        reach = degrees * np.log1p(student.ppf(0.5 + level / 2, degrees) ** 2 / degrees)
+        found = []
+        for memory in _likely_memories(self.problem.memory, len(self.problem.n)):
+            problem, x = self.problem.at_memory(memory, self.x)
+            # -2 log of the restricted likelihood is degrees log(sum of squares) + rest
+            rest = problem.information(x) - np.log(1 - memory**2)
+            found.append((degrees * np.log(max(problem.sum(x), 1e-300)) + rest, rest, problem, x))
+        least = min(value for value, *_ in found)
+        ranges = [
+            problem.intervals(x, float(np.exp((least + reach - rest) / degrees)))
+            for value, rest, problem, x in found
+            if value <= least + reach
+        ]
+        return {p: (min(r[p][0] for r in ranges), max(r[p][1] for r in ranges)) for p in ranges[0]}
+
+    def describe(self, level: float) -> Fit:
+        """The fit in metres and cycles, with its confidence intervals."""
+        problem, x, rule = self.problem, self.x, self.problem.rule
+        total, linear, _ = problem.solve(x)
+        ranges = self.intervals(level)
+        values = dict(zip((p for p in rule.parameters if p != rule.inner), linear, strict=True))
+        if rule.inner:
+            values[rule.inner] = rule.unscale(x)
+        sized = {p: 1.0 if p == rule.inner else self.unit for p in sorted(values)}
+        deviation = np.sqrt(total / (len(problem.n) - len(rule.parameters)))
+        return Fit(
+            rule.name,
+            {p: float(values[p] * f) for p, f in sized.items()},
+            {p: (float(ranges[p][0] * f), float(ranges[p][1] * f)) for p, f in sized.items()},
+            self.scatter,
+            float(deviation * (self.unit if self.scatter == "constant" else 1.0)),
+            problem.memory,
+            self.bic,
+            (int(problem.n[0]), int(problem.n[-1])),
+            bool(rule.inner) and not problem.low + 1e-3 < x < problem.high - 1e-3,
+        )
 
 
 # ---------------------------------------------------------------------- the choice between them
@@ -294,8 +364,8 @@ def _chosen(n: tuple[float, ...], s: tuple[float, ...], level: float) -> Choice:
     """Cached, because several tables and claims ask for the same curve and the fits take their time."""
     n, s, fits = np.array(n), np.array(s), {}
     for law in CHOICES:
-        kinds = [fit(law, n, s, scatter, level) for scatter in ("constant", "proportional")]
-        fits[law] = min(kinds, key=lambda f: f.bic)
+        kinds = [_best(law, n, s, scatter) for scatter in ("constant", "proportional")]
+        fits[law] = min(kinds, key=lambda f: f.bic).describe(level)
     best = min(fits, key=lambda law: fits[law].bic)
     differences = {law: f.bic - fits[best].bic for law, f in fits.items()}
     return Choice(best, fits, differences, *_verdict(best, fits, differences))
