@@ -15,8 +15,8 @@ line, and AICc would take it for a noisy line of 1000 cycles in one case out of 
 All laws are linear in all parameters but one (c, or the power), so the fit is a search along that one with linear least
 squares inside: no starting values, no missed minima. Confidence intervals are those of the profile of the restricted
 likelihood (Harville 1977): all values of a parameter that some choice of the others, and of the memory, makes likely
-enough; they need not be symmetric. With the fitted memory taken as known they would cover 82 to 92 % instead of 95 where
-neighbouring cycles are alike, because a fit takes part of a long memory for trend.
+enough; they need not be symmetric. With the fitted memory taken as known they would cover 82 to 92 % instead of 95
+where neighbouring cycles are alike, because a fit takes part of a long memory for trend.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ STRONG = 6.0
 COMPLETE = 0.9999
 """Memory of a random walk: a little less than 1, where the likelihood is not defined."""
 WALK = 21.8
-"""Count x (1 - correlation) below which a random walk is not excluded: 5 % limit of Dickey and Fuller (1979) with trend."""
+"""Count x (1 - correlation) below which a random walk is not excluded: Dickey and Fuller (1979) with trend, 5 %."""
 CHOICES = ("exponential", "logarithm", "power", "line")
 
 
@@ -174,8 +174,8 @@ def _memory(residual: np.ndarray) -> float:
 
 
 def _likely_memories(memory: float, count: int) -> list[float]:
-    """Memories to profile over: some standard errors about the fitted one (in artanh), more of them above, because a fit
-    takes part of a long memory for trend; always a random walk, and from a walk down to what is excluded as one.
+    """Memories to profile over: some standard errors about the fitted one (in artanh), more of them above, because a
+    fit takes part of a long memory for trend; always a random walk, and from a walk down to what is excluded as one.
     """
     if memory == COMPLETE:
         return sorted(1 - np.geomspace(min(1.0, WALK / count), 1 - COMPLETE, 8))
@@ -217,14 +217,17 @@ class _Problem:
         )
         return float(best.x if best.fun <= sums[k] else grid[k])
 
-    def at_memory(self, memory: float, x: float) -> tuple[_Problem, float]:
-        """The same curve at another memory, and the best `x` there: no farther than a fifth of the range from this."""
-        other = _Problem(self.rule, self.n, self.s, self.weight, memory)
+    def at_memory(self, memory: float) -> _Problem:
+        """The same curve at another memory."""
+        return _Problem(self.rule, self.n, self.s, self.weight, memory)
+
+    def search_near(self, x: float) -> float:
+        """The best `x`, no farther than a fifth of the range from this."""
         if self.rule.inner is None:
-            return other, 0.0
+            return 0.0
         reach = (self.high - self.low) / 5
         ends = max(self.low, x - reach), min(self.high, x + reach)
-        return other, float(minimize_scalar(other.sum, method="bounded", bounds=ends, options={"xatol": 1e-5}).x)
+        return float(minimize_scalar(self.sum, method="bounded", bounds=ends, options={"xatol": 1e-5}).x)
 
     def information(self, x: float) -> float:
         """Logarithm of the determinant of the normal matrix at `x`, all parameters, in units free of the memory."""
@@ -288,12 +291,19 @@ class _Fitted:
         """Range of each parameter, in the problem's units, over all memories that are likely enough."""
         degrees = len(self.problem.n) - len(self.problem.rule.parameters)
         reach = degrees * np.log1p(student.ppf(0.5 + level / 2, degrees) ** 2 / degrees)
-        found = []
+
+        def likelihood(problem: _Problem, x: float) -> tuple[float, float]:
+            """-2 log of the restricted likelihood, degrees log(sum of squares) + rest, and the rest."""
+            rest = problem.information(x) - np.log(1 - problem.memory**2)
+            return degrees * np.log(max(problem.sum(x), 1e-300)) + rest, rest
+
+        found, least = [], likelihood(self.problem, self.x)[0]
         for memory in _likely_memories(self.problem.memory, len(self.problem.n)):
-            problem, x = self.problem.at_memory(memory, self.x)
-            # -2 log of the restricted likelihood is degrees log(sum of squares) + rest
-            rest = problem.information(x) - np.log(1 - memory**2)
-            found.append((degrees * np.log(max(problem.sum(x), 1e-300)) + rest, rest, problem, x))
+            problem = self.problem.at_memory(memory)
+            if likelihood(problem, self.x)[0] > least + reach + 6:
+                continue  # a better x would not make up for that
+            x = problem.search_near(self.x)
+            found.append((*likelihood(problem, x), problem, x))
         least = min(value for value, *_ in found)
         ranges = [
             problem.intervals(x, float(np.exp((least + reach - rest) / degrees)))
