@@ -14,13 +14,14 @@ from analysis import load_runs
 from analysis.comparison.claims import verdicts
 from analysis.comparison.claims.checks import CHECKS
 from analysis.comparison.claims.claimed_quantities import profile_error, seconds_per_cycle, slope
-from analysis.comparison.claims.evidence import FAILS, HOLDS, OPEN, Evidence
-from analysis.comparison.claims.uncertainty import Estimate, pooled, propagate
+from analysis.comparison.claims.evidence import ANOTHER_SEED, FAILS, HOLDS, OPEN, WITHIN, Evidence
+from analysis.comparison.claims.uncertainty import Estimate, coverage, estimates, pooled, propagate
 from analysis.comparison.claims.verdicts import ClaimError, evaluate_claims, load_claims, to_frame
+from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD
 from analysis.comparison.restitution import restitution_table
 from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
 from analysis.scenarios import derived
-from analysis.scenarios.scenario import load_scenario, scenario_names
+from analysis.scenarios.scenario import join_id, load_scenario, scenario_names
 
 CLAIMS_FILE = REFERENCE_FOLDER / "claims.toml"
 DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])  # plates 1 (bottom) to 5
@@ -29,8 +30,8 @@ LINE, START = (2e-3, 0, 1, 4e-6), (1e-3, 6e-3, 15, 2e-6)  # a, b, c, d of a + b 
 
 
 @cache
-def resolved(name):
-    return load_scenario(name)
+def resolved(name, variant=""):
+    return load_scenario(name, variant=variant)
 
 
 def make_run(
@@ -48,6 +49,7 @@ def make_run(
     host="one",
     deviations=(),
     scatter=0.01,
+    reading=TRUE_LOAD,
 ):
     """A run with settlement a + b (1 - exp(-N/c)) + d N and lateral displacement `first` (m) growing to `lateral`."""
     rng = np.random.default_rng([seed, sum(map(ord, scenario))])
@@ -73,16 +75,20 @@ def make_run(
         "deviations": list(deviations),
     }
     name = code if seed == 1 else f"{code}-seed{seed}"
+    variants = (SERVO_VARIANT,) if reading == SERVO else ()
     return SimpleNamespace(
-        id=f"{profile}/{scenario}/{name}",
+        id=f"{profile}/{join_id(scenario, variants)}/{name}",
         code=code,
         profile=profile,
-        scenario_name=scenario,
+        scenario_name=join_id(scenario, variants),
+        base_name=scenario,
+        variants=variants,
         seed=seed,
         info=info,
+        stages={},
         cycles=table,
         microstructure=before,
-        scenario=resolved(scenario),
+        scenario=resolved(scenario, "+".join(variants)),
     )
 
 
@@ -126,9 +132,9 @@ def experiment(law=(3e-3, 6e-3, 15, 2e-6), lateral=(5e-3, 5e-3, 5e-3), error=1e-
 NOTHING = References(pd.DataFrame(columns=COLUMNS), pd.DataFrame(columns=PENDING_COLUMNS))
 
 
-def judge(number, runs, references=NOTHING, code="liggghts"):
+def judge(number, runs, references=NOTHING, code="liggghts", reading=TRUE_LOAD):
     found, rules = load_claims()
-    return verdicts.judge(found[number - 1], code, runs, references, rules)
+    return verdicts.judge(found[number - 1], code, reading, runs, references, rules)
 
 
 def nonlinear(mode, restitution, count=2, **options):
@@ -175,7 +181,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
     found, rules = load_claims()
     for claim in found:
         watched = Watched(claim.thresholds)
-        evidence = Evidence(everything, experiment(), rules, claim)
+        evidence = Evidence(everything, experiment(), rules, claim, "liggghts", TRUE_LOAD)
         checks = list(CHECKS[claim.id](evidence, watched))
         assert watched.asked == set(claim.thresholds), claim.id
         assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in checks), claim.id
@@ -208,7 +214,7 @@ def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
 
 def test_without_runs_every_claim_is_open_and_says_what_is_missing():
     verdicts = evaluate_claims([], NOTHING)
-    assert len(verdicts) == 22 and {v.verdict for v in verdicts} == {OPEN}
+    assert len(verdicts) == 44 and {v.verdict for v in verdicts} == {OPEN}
     for v in verdicts:
         assert any("a full-size run of" in m for m in v.missing)
         assert bool(v.claim.reference) == any("(pending)" in m for m in v.missing)
@@ -221,20 +227,33 @@ def test_a_slice_of_the_bed_decides_nothing():
 
 def test_one_seed_decides_nothing_but_computing_time_whose_uncertainty_is_stated():
     runs = [make_run(name, law=LINE if name == "linear-mu0.8" else START) for name in scenario_names()]
-    verdicts = [v for v in evaluate_claims(runs, experiment()) if v.code == "liggghts"]
+    verdicts = [v for v in evaluate_claims(runs, experiment()) if (v.code, v.reading) == ("liggghts", TRUE_LOAD)]
     decided = {v.claim.number for v in verdicts if v.verdict != OPEN}
     assert decided == {11}
-    assert all(
-        "a second seed of any scenario, for the uncertainty" in v.missing for v in verdicts if v.claim.number != 11
-    )
+    another, both = ANOTHER_SEED, "linear-mu0.8: a second seed, 1 of 1 has a value"
+    assert all((both if v.claim.number == 1 else another) in v.missing for v in verdicts if v.claim.number != 11)
 
 
-def test_a_failed_run_does_not_count():
-    runs = seeds("nonlinear-en1.0") + seeds("linear-mu0.8", law=LINE)
+def test_a_failed_run_counts_up_to_the_cycle_before_it_failed_and_the_verdict_says_so():
+    runs = seeds("nonlinear-en1.0", cycles=101) + seeds("linear-mu0.8", law=LINE)
     assert judge(1, runs).verdict == HOLDS
+    for run in runs[:3]:
+        run.info |= {"state": "failed", "reason": "the sleeper sank through"}
+    verdict = judge(1, runs)
+    assert verdict.verdict == HOLDS and "after cycle 100," in verdict.checks[0].numbers
+    assert any("seed 2 failed after cycle 101 (the sleeper sank through)" in note for note in verdict.notes)
+    for run in runs[:3]:
+        run.cycles = run.cycles[:100]
+    verdict = judge(1, runs)
+    assert verdict.verdict == OPEN and "nonlinear-en1.0: 99 of 1000 cycles; failed" in verdict.missing
+
+
+def test_a_run_that_failed_before_its_first_cycle_does_not_count():
+    runs = seeds("nonlinear-en1.0", start=(0.31, 0.32, 0.33)) + seeds("linear-mu0.8")
+    assert judge(10, runs).verdict == HOLDS
     for run in runs:
-        run.info["state"] = "failed"
-    assert judge(1, runs).verdict == OPEN
+        run.info["state"], run.cycles = "failed", run.cycles[:0]
+    assert judge(10, runs).verdict == OPEN
 
 
 def test_runs_that_are_too_short_are_named_with_their_cycles():
@@ -354,7 +373,7 @@ def test_a_claim_about_the_experiment_stays_open_while_its_curve_is_pending(numb
 def test_a_difference_within_the_scatter_of_the_seeds_stays_open():
     runs = seeds("nonlinear-en1.0", start=(0.340, 0.345, 0.352), scatter=0.1) + seeds("linear-mu0.8", scatter=0.1)
     verdict = judge(10, runs)
-    assert verdict.verdict == OPEN and verdict.missing == ("more seeds or cycles: within the uncertainty",)
+    assert verdict.verdict == OPEN and verdict.missing == (WITHIN,)
 
 
 def test_a_large_error_of_the_reference_keeps_a_claim_open():
@@ -420,27 +439,34 @@ def test_computing_time_is_steps_per_cycle_over_steps_per_second():
     assert seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 400
 
 
-def test_scatter_is_pooled_over_scenarios_and_shared_by_those_with_one_seed():
-    found = pooled({"a": [9.0, 11.0], "b": [90.0, 110.0], "c": [50.0]}, relative=True)
+def test_scatter_is_lent_to_scenarios_with_one_seed_and_pooled_only_over_those_that_can_scatter():
+    groups = {"a": [9.0, 11.0], "b": [90.0, 110.0], "zeros": [0.0, 0.0, 0.0], "c": [50.0]}
+    found = estimates({"c": [50.0]}, {"c": groups}, relative=True)
     deviation = math.sqrt(0.04 / 2)
-    assert found["c"] == Estimate(50.0, pytest.approx(50 * deviation), 2, 1)
-    assert found["b"].standard_error == pytest.approx(100 * deviation / math.sqrt(2))
-    assert math.isnan(pooled({"a": [1.0], "b": [2.0]}, relative=True)["a"].standard_error)
+    assert found["c"] == Estimate(50.0, pytest.approx(50 * deviation), 2, 1, lent="a, b")
+    assert math.isnan(estimates({"a": [1.0]}, {}, relative=True)["a"].standard_error)
+    assert pooled({"zeros": [0.0, 0.0], "c": [1.0]}, relative=False)[1] == 0
+
+
+def test_a_scenario_with_seeds_has_its_own_scatter_and_no_other():
+    found = estimates({"a": [0.31, 0.21, 0.26], "b": [0.0, 0.0, 0.0]}, {}, relative=False)
+    assert found["a"].half_width() == pytest.approx(0.124, abs=5e-4)
+    assert found["b"].half_width() == 0
 
 
 def test_the_interval_of_a_difference_covers_the_truth_as_often_as_it_says():
     rng = np.random.default_rng(1)
     hits = 0
     for _ in range(400):
-        e = pooled({"a": rng.normal(10, 1, 3), "b": rng.normal(7, 1, 3)}, relative=False)
-        value, half_width = propagate(lambda a, b: a - b, [e["a"], e["b"]])
-        hits += abs(value - 3) < half_width
-    assert 0.92 < hits / 400 < 0.98
+        e = estimates({"a": rng.normal(10, 1, 3), "b": rng.normal(7, 1, 3)}, {}, relative=False)
+        value, error, degrees = propagate(lambda a, b: a - b, [e["a"], e["b"]])
+        hits += abs(value - 3) < coverage(degrees) * error
+    assert 0.92 < hits / 400 < 0.985
 
 
 def test_an_absolute_value_at_its_kink_is_as_uncertain_as_its_argument():
-    value, half_width = propagate(abs, [Estimate(0.0, 1.0)])
-    assert (value, half_width) == (0.0, pytest.approx(1.96, abs=1e-3))
+    value, error, degrees = propagate(abs, [Estimate(0.0, 1.0)])
+    assert (value, error, degrees) == (0.0, 1.0, math.inf) and coverage(degrees) == pytest.approx(1.96, abs=1e-3)
 
 
 # ------------------------------------------------------------------ eq. 16

@@ -16,12 +16,13 @@ from analysis.comparison.claims.claimed_quantities import (
     porosities,
     porosity_range,
     profile_error,
+    run_slope,
     seconds_per_cycle,
     settlement,
     settlement_difference,
     slope,
 )
-from analysis.comparison.claims.evidence import Check, Evidence, Measured, widened
+from analysis.comparison.claims.evidence import Check, Evidence, Measured, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
 from analysis.scenarios.study import key_scenarios
 
@@ -31,10 +32,14 @@ LINEAR, NONLINEAR = key_scenarios()
 def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 1."""
     last = e.common_cycle(t["cycles"])
-    # the fits take their time: only the runs that are judged, others do not lend their scatter
-    runs = [r for r in e.reached(last) if r.scenario_name in e.claim.runs]
+    # the fits take their time: only the runs that are judged; nobody has to lend, since two seeds are asked for
     share = e.measure(
-        f"exponential share after cycle {last}", lambda r: exponential_share(r, last), last, relative=False, runs=runs
+        f"exponential share after cycle {last}",
+        lambda r: exponential_share(r, last),
+        last,
+        relative=False,
+        members=[m for m in e.reached(last) if m.scenario in e.claim.runs],
+        least_seeds=2,
     )
     yield e.check(f"{NONLINEAR} has the exponential start", "-", lambda s: s - t["share"], share[NONLINEAR])
     yield e.check(f"{LINEAR} does not have it", "-", lambda s: t["share"] - s, share[LINEAR])
@@ -42,11 +47,8 @@ def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
 
 def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 2."""
-
-    def of(run):
-        return slope(run.cycles["cycle"], run.cycles["settlement_m"], t["first"], t["cycles"])
-
-    ours, curve = e.measure("late slope", of, t["cycles"]), e.experiment("settlement")
+    ours = e.measure("late slope", lambda r: run_slope(r, t["first"], t["cycles"]), t["cycles"])
+    curve = e.experiment("settlement")
     theirs = e.pending("settlement")
     if len(curve):
         late = curve.loc[(curve["cycle"] >= t["first"]) & (curve["cycle"] <= t["cycles"]), "cycle"]
@@ -63,29 +65,29 @@ def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
         ours[LINEAR],
         ours[NONLINEAR],
         theirs,
+        without_curve="" if len(curve) else _nearer("late slope", "mm per 1000 cycles", 1e6, ours),
     )
 
 
 def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 3."""
     what, curve = "the difference scatters little about its mean", e.experiment("settlement")
-    if curve.empty:
-        runs = e.measure("settlement", lambda r: settlement(r, t["cycles"]), t["cycles"])
-        yield e.check(what, "m", lambda s, exp: math.nan, runs[NONLINEAR], e.pending("settlement"))
-        return
     last = t["cycles"]
-    shift, scatter = (
-        e.measure(name, lambda r, field=field: settlement_difference(r, curve, last, field), last, relative=False)
-        for name, field in (("mean difference", "shift_m"), ("its standard deviation", "rms_shifted_m"))
+    if curve.empty:
+        runs = e.measure("settlement", lambda r: settlement(r, last), last)
+        missing = Measured("settlement", missing=runs[NONLINEAR].missing + e.pending("settlement").missing)
+        yield e.check(what, "m", abs, missing, without_curve=_growth(e, last))
+        return
+
+    def margin(run) -> float:
+        shift, scatter = (settlement_difference(run, curve, last, field) for field in ("shift_m", "rms_shifted_m"))
+        return t["scatter"] * abs(shift) - scatter
+
+    measured = e.measure(
+        f"{t['scatter']:g} of the mean difference less its standard deviation", margin, last, relative=False
     )
-    error = curve["error"].mean() / coverage(math.inf)
-    yield e.check(
-        what,
-        "m",
-        lambda m, s: t["scatter"] * abs(m) - s,
-        widened(shift[NONLINEAR], error),
-        widened(scatter[NONLINEAR], error),
-    )
+    error = curve["error"].mean() / coverage(math.inf) * math.hypot(1, t["scatter"])
+    yield e.check(what, "m", lambda m: m, widened(measured[NONLINEAR], error))
 
 
 def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
@@ -97,6 +99,7 @@ def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
             "-",
             lambda value, sign=sign: sign * (t["good"] - value),
             error,
+            without_curve=_within(e, cycle, t["good"], sign),
         )
 
 
@@ -108,12 +111,14 @@ def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
             "-",
             lambda lin, non: lin - non,
             *e.profile_errors(cycle, LINEAR, NONLINEAR),
+            without_curve=_nearer_profile(e, cycle),
         )
     yield e.check(
         f"comparable after cycle {t['cycles']}",
         "-",
         lambda lin, non: t["alike"] - abs(lin - non),
         *e.profile_errors(t["cycles"], LINEAR, NONLINEAR),
+        without_curve=_alike_profiles(e, t["cycles"], t["alike"]),
     )
 
 
@@ -182,13 +187,14 @@ def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
         return float(np.mean(errors + [profile_error(run, profile, n) for n, profile in profiles.items()]))
 
     measured = e.measure("misfit", misfit, t["cycles"], relative=False)
+    best_between = _best_between(e) if pending else ""
     for scenario in e.claim.runs:
         what = f"{NONLINEAR} agrees better than {scenario}"
         if scenario == NONLINEAR:
             continue
         if pending:
             missing = measured[NONLINEAR].missing + measured[scenario].missing + e.pending(*pending).missing
-            yield e.check(what, "-", max, Measured("misfit", missing=missing))
+            yield e.check(what, "-", max, Measured("misfit", missing=missing), without_curve=best_between)
             continue
         relative = [c["error"].mean() / c["value"].abs().max() for c in (curve, *profiles.values())]
         error = float(np.mean(relative)) / coverage(math.inf)
@@ -205,20 +211,15 @@ def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 9."""
     last = e.common_cycle(t["cycles"])
 
-    def above(run):
-        one, two, three = porosities(run, last)
-        return three - max(one, two)
+    for higher, lower in ((3, 1), (3, 2), (2, 1)):
 
-    def below(run):
-        one, two, three = porosities(run, last)
-        return min(two, three) - one
+        def difference(run, higher=higher, lower=lower):
+            values = porosities(run, last)
+            return values[higher - 1] - values[lower - 1]
 
-    for what, name, function in (
-        ("sphere 3 highest", "sphere 3 above the next", above),
-        ("sphere 1 lowest", "sphere 1 below the next", below),
-    ):
-        measured = e.measure(name, function, last, relative=False)
-        yield e.check(f"{what} after cycle {last}", "-", lambda x: x, measured[NONLINEAR])
+        what = f"sphere {higher} above sphere {lower} after cycle {last}"
+        measured = e.measure(what, difference, last, relative=False)
+        yield e.check(what, "-", lambda x: x, measured[NONLINEAR])
     spread = e.measure(f"range to cycle {last}", lambda r: porosity_range(r, last), last, relative=False)
     yield e.check(
         "range wider than in the linear model", "-", lambda non, lin: non - lin, spread[NONLINEAR], spread[LINEAR]
@@ -236,12 +237,12 @@ def preload_drop(e: Evidence, t: dict) -> Iterator[Check]:
 def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 11."""
     what = "shorter than the linear model's"
-    timed = [r for r in e.reached(1) if math.isfinite(seconds_per_cycle(r))]
-    machines = {name: {_machine(r) for r in timed if r.scenario_name == name} for name in (LINEAR, NONLINEAR)}
+    timed = [m for m in e.reached(1) if math.isfinite(seconds_per_cycle(m.run))]
+    machines = {name: {_machine(m.run) for m in timed if m.scenario == name} for name in (LINEAR, NONLINEAR)}
     shared = sorted(machines[LINEAR] & machines[NONLINEAR])
-    best = max(shared, key=lambda m: sum(_machine(r) == m for r in timed), default=None)
-    runs = [r for r in timed if best in (None, _machine(r))]
-    time = e.measure("computing time per cycle", seconds_per_cycle, 1, stated="computing_time", runs=runs)
+    best = max(shared, key=lambda machine: sum(_machine(m.run) == machine for m in timed), default=None)
+    members = [m for m in timed if best in (None, _machine(m.run))]
+    time = e.measure("computing time per cycle", seconds_per_cycle, 1, stated="computing_time", members=members)
     if all(machines.values()) and not shared:
         time[LINEAR] = Measured(time[LINEAR].name, missing=("both models on one machine, same ranks and threads",))
     yield e.check(what, "s", lambda lin, non: t["ratio"] * lin - non, time[LINEAR], time[NONLINEAR])
@@ -249,6 +250,97 @@ def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
 
 def _machine(run) -> tuple:
     return tuple(str(run.info.get(key)) for key in ("host", "ranks", "threads"))
+
+
+# ------------------------------------------------------------------ what can be said while a curve is pending
+
+
+def _nearer(quantity: str, unit: str, factor: float, ours: dict[str, Measured]) -> str:
+    """On which side of the middle between the two models the experiment has to be."""
+    linear, nonlinear = (ours[name].estimate for name in (LINEAR, NONLINEAR))
+    if linear is None or nonlinear is None:
+        return ""
+    side = "below" if nonlinear.mean < linear.mean else "above"
+    return (
+        f"it holds if the experiment's {quantity} is {side} {factor * (linear.mean + nonlinear.mean) / 2:.3g} {unit}, "
+        f"the middle between {factor * nonlinear.mean:.3g} (nonlinear) and {factor * linear.mean:.3g} (linear)"
+    )
+
+
+def _growth(e: Evidence, last: int) -> str:
+    """By how much the experiment's settlement has to grow, for the difference to be a constant shift."""
+    last = min(last, max((finished(m) for m in e.members if m.scenario == NONLINEAR), default=0))
+    if last < 2:
+        return ""
+    grown = e.seen(lambda r: settlement(r, last) - settlement(r, 1), last)
+    return (
+        f"a constant shift asks that the experiment's settlement grows by {1e3 * grown[NONLINEAR]:.3g} mm from cycle 1 "
+        f"to {last}, as the model's does"
+    )
+
+
+def _lateral(e: Evidence, cycle: int) -> dict[str, float]:
+    """Mean lateral displacement of the plates by scenario, m."""
+    return e.seen(lambda r: lateral_profile(r, cycle).mean(), cycle)
+
+
+def _within(e: Evidence, cycle: int, good: float, sign: int) -> str:
+    """Between which means of the experiment's profile the linear model's can be good; outside them it is poor."""
+    mean = _lateral(e, cycle).get(LINEAR)
+    if mean is None or mean <= 0:
+        return ""
+    low, high = 1e3 * mean / (1 + good), 1e3 * mean / (1 - good)
+    does = "can be good" if sign > 0 else "is poor for sure"
+    where = "only if" if sign > 0 else "unless"
+    return (
+        f"after cycle {cycle} it {does} {where} the experiment's mean lateral displacement is between {low:.3g} and "
+        f"{high:.3g} mm (the model's is {1e3 * mean:.3g})"
+    )
+
+
+def _nearer_profile(e: Evidence, cycle: int) -> str:
+    means = _lateral(e, cycle)
+    if LINEAR not in means or NONLINEAR not in means:
+        return ""
+    linear, nonlinear = means[LINEAR], means[NONLINEAR]
+    side = "below" if nonlinear < linear else "above"
+    return (
+        f"after cycle {cycle} the nonlinear model's is nearer to the experiment's mean lateral displacement if that is "
+        f"{side} {1e3 * (linear + nonlinear) / 2:.3g} mm (nonlinear {1e3 * nonlinear:.3g}, linear {1e3 * linear:.3g})"
+    )
+
+
+def _alike_profiles(e: Evidence, cycle: int, alike: float) -> str:
+    """Above which mean of the experiment's profile two errors cannot differ by more than `alike`."""
+    plates = [e.seen(lambda r, k=k: lateral_profile(r, cycle)[k], cycle) for k in range(5)]
+    if any(LINEAR not in plate or NONLINEAR not in plate for plate in plates):
+        return ""
+    apart = math.sqrt(sum((plate[LINEAR] - plate[NONLINEAR]) ** 2 for plate in plates) / len(plates))
+    return (
+        f"after cycle {cycle} the two are comparable whatever the experiment's shape if its mean lateral displacement "
+        f"is above {1e3 * apart / alike:.3g} mm, since their profiles differ by {1e3 * apart:.3g} mm (rms)"
+    )
+
+
+def _best_between(e: Evidence) -> str:
+    """Between which settlements of the experiment e_n = 1 is nearest to it."""
+    judged = [m for m in e.members if m.scenario in e.claim.runs and finished(m) >= 1]
+    if {m.scenario for m in judged} < set(e.claim.runs) or not judged:
+        return ""
+    last = min(max(finished(m) for m in judged if m.scenario == name) for name in e.claim.runs)
+    values = e.seen(lambda r: settlement(r, last), last)
+    best, others = values[NONLINEAR], [v for name, v in values.items() if name in e.claim.runs and name != NONLINEAR]
+    below, above = (
+        max((v for v in others if v < best), default=None),
+        min((v for v in others if v > best), default=None),
+    )
+    limits = [f"above {1e3 * (below + best) / 2:.3g}"] if below is not None else []
+    limits += [f"below {1e3 * (above + best) / 2:.3g}"] if above is not None else []
+    place = 1 + sum(v > best for v in others)
+    return (
+        f"after cycle {last} e_n = 1 settles {1e3 * best:.3g} mm, no. {place} of {len(others) + 1} from the largest: "
+        f"by settlement alone it is nearest to the experiment if that is {' and '.join(limits)} mm"
+    )
 
 
 CHECKS: dict[str, Callable[[Evidence, dict], Iterator[Check]]] = {

@@ -62,6 +62,11 @@ def slope(cycles, values, first: int, last: int) -> float:
     return float(np.polyfit(cycles[inside], values[inside], 1)[0]) if inside.sum() >= 3 else math.nan
 
 
+def run_slope(run, first: int, last: int) -> float:
+    """`slope` of a run's settlement, m per cycle."""
+    return slope(run.cycles["cycle"], run.cycles["settlement_m"], first, last)
+
+
 def seconds_per_cycle(run) -> float:
     """Computing time of one cycle of loading, s."""
     speed = run.info.get("steps_per_second", {}).get("cyclic")

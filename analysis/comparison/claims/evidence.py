@@ -1,29 +1,43 @@
-"""What a claim is judged on: the runs of one code and the reference curves, asked for quantities with uncertainty.
+"""What a claim is judged on: the runs of one code in one reading of the load and the reference curves, asked for
+quantities with uncertainty.
 
 A claim is a list of checks. A check is a margin, by how much a quantity lies on the claim's side, and the half-width of
 that margin's confidence interval: it holds where the whole interval is positive, does not hold where it is all
-negative, and is not decidable otherwise.
+negative, and is not decidable otherwise. A claim holds where all its checks do, and does not where one does not; so
+that many checks do not make one of them fail by chance, each fails at its share of the error only (Bonferroni).
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
 from analysis.comparison.claims.claimed_quantities import lateral_profile, profile_error
-from analysis.comparison.claims.uncertainty import Estimate, coverage, pooled, propagate
+from analysis.comparison.claims.uncertainty import (
+    OWN_SEEDS,
+    Estimate,
+    combined,
+    coverage,
+    estimates,
+    propagate,
+    scatters,
+)
+from analysis.comparison.findings.members import Member, member
 from analysis.comparison.quantities import last_cycle
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 
-HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable yet"
+HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable"
 
 CODES = ("liggghts", "yade")
 
 RUN = "a full-size run of "
+WITHIN = "more seeds or cycles: within the uncertainty"
+ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the uncertainty"
 
 
 @dataclass(frozen=True)
@@ -65,36 +79,60 @@ class Measured:
 class Check:
     """One part of a claim.
 
-    what        what is compared, in words
-    numbers     the measured quantities in words, with their half-widths
-    margin      how far the quantities lie on the claim's side, in `unit`; nan where something is missing
-    half_width  of the margin's confidence interval; nan where no uncertainty is known
-    missing     what is missing, one entry each
+    what            what is compared, in words
+    numbers         the measured quantities in words, with their half-widths
+    margin          how far the quantities lie on the claim's side, in `unit`; nan where something is missing
+    standard_error  of the margin; nan where no uncertainty is known
+    degrees         of freedom of the standard error
+    missing         what is missing, one entry each
+    without_curve   what can be said while the experiment's curve is pending; empty where none is needed or nothing can
+    parts           number of checks of the claim
     """
 
     what: str
     numbers: str
     margin: float
-    half_width: float
+    standard_error: float
+    degrees: float
     unit: str
+    confidence: float
     missing: tuple[str, ...] = ()
+    without_curve: str = ""
+    parts: int = 1
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the margin's confidence interval."""
+        return coverage(self.degrees, self.confidence) * self.standard_error
 
     @property
     def verdict(self) -> str:
-        """holds, does not hold, or not decidable yet."""
+        """holds, does not hold, or not decidable."""
         if self.margin - self.half_width > 0:
             return HOLDS
-        return FAILS if self.margin + self.half_width < 0 else OPEN
+        share = 1 - (1 - self.confidence) / self.parts
+        return FAILS if self.margin + coverage(self.degrees, share) * self.standard_error < 0 else OPEN
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A claim, judged for one code."""
+    """A claim, judged for one code in one reading of the load.
+
+    because         what decides, or what stands in the way, in words
+    without_curve   what can be said while the experiment's curve is pending
+    missing         what is missing; empty where the claim is decided
+    runs            that were used
+    uncertainty     where it comes from
+    notes           what a reader must know of the runs
+    """
 
     claim: Claim
     code: str
+    reading: str
     verdict: str
     checks: tuple[Check, ...]
+    because: str
+    without_curve: tuple[str, ...]
     missing: tuple[str, ...]
     runs: tuple[str, ...]
     uncertainty: str
@@ -102,23 +140,36 @@ class Verdict:
 
 
 class Evidence:
-    """The runs of one code and the reference curves, asked for quantities by the functions of the claims."""
+    """Runs of one code in one reading, and reference curves, asked for quantities by the functions of the claims."""
 
-    def __init__(self, runs: list, references: References, rules: Rules, claim: Claim):
-        self.references, self.rules, self.claim = references, rules, claim
-        self.runs = _longest([r for r in runs if r.profile == rules.profile and r.info.get("state") != "failed"])
-        self._used: dict[str, object] = {}
+    def __init__(
+        self,
+        runs: Iterable,
+        references: References,
+        rules: Rules,
+        claim: Claim,
+        code: str,
+        reading: str,
+        lend: bool = True,
+    ):
+        """`lend`: whether the other code's seeds lend their scatter where this one has none."""
+        self.references, self.rules, self.claim, self.code, self.reading = references, rules, claim, code, reading
+        found = [m for m in map(member, runs) if m.run.profile == rules.profile and m.plain and m.reading == reading]
+        self.members = _longest(m for m in found if m.run.code == code)
+        self._others = _longest(m for m in found if m.run.code != code) if lend else []
+        self._used: dict[str, Member] = {}
         self._scatter: set[str] = set()
+        self._undecided: dict[str, None] = {}
 
     # -------------------------------------------------------------- runs
 
-    def reached(self, cycles: int) -> list:
+    def reached(self, cycles: int) -> list[Member]:
         """Runs that have finished at least `cycles` cycles."""
-        return [r for r in self.runs if last_cycle(r) >= cycles]
+        return [m for m in self.members if finished(m) >= cycles]
 
     def common_cycle(self, least: int) -> int:
         """The last cycle that all runs of the claim have reached; those that stopped before `least` do not count."""
-        return min((last_cycle(r) for r in self.reached(least) if r.scenario_name in self.claim.runs), default=least)
+        return min((finished(m) for m in self.reached(least) if m.scenario in self.claim.runs), default=least)
 
     def measure(
         self,
@@ -127,48 +178,94 @@ class Evidence:
         cycles: int,
         relative: bool = True,
         stated: str | None = None,
-        runs: list | None = None,
+        members: list[Member] | None = None,
+        least_seeds: int = 1,
     ) -> dict[str, Measured]:
         """`function(run)` for every scenario of the claim, averaged over seeds.
 
-        name      of the quantity, in words
-        cycles    that a run must have reached (0: the end of preload)
-        relative  scatter as a share of the mean, see `uncertainty.pooled`
-        stated    name of the stated uncertainty that replaces the scatter over seeds
-        runs      to choose from, instead of all that have reached `cycles`
+        name          of the quantity, in words
+        cycles        that a run must have reached (0: the end of preload)
+        relative      scatter that is lent is a share of the mean
+        stated        name of the stated uncertainty that replaces the scatter over seeds
+        members       to choose from, instead of all that have reached `cycles`
+        least_seeds   that must have a value
         """
-        chosen = self.reached(cycles) if runs is None else runs
-        groups: dict[str, list[float]] = {}
-        for run in chosen:
-            value = function(run)
-            if math.isfinite(value):
-                groups.setdefault(run.scenario_name, []).append(value)
-                if run.scenario_name in self.claim.runs:
-                    self._used[run.id] = run
-        estimates = pooled(groups, relative)
+        groups, undecided = self._values(function, self.reached(cycles) if members is None else members)
+        of_claim = {s: v for s, v in groups.items() if s in self.claim.runs and len(v) >= least_seeds}
         if stated:
             half_width = self.rules.stated[stated]
-            estimates = {
-                s: Estimate(e.mean, half_width / coverage(math.inf) * abs(e.mean), math.inf, e.seeds)
-                for s, e in estimates.items()
+            found = {
+                s: Estimate(mean, half_width / coverage(math.inf) * abs(mean), seeds=len(v))
+                for s, v in of_claim.items()
+                for mean in (sum(v) / len(v),)
             }
             self._scatter.add(f"stated: {half_width:.0%} of a run's value")
         else:
-            self._scatter |= {f"{s} ({e.seeds} seeds)" for s, e in estimates.items() if e.seeds > 1}
+            found = estimates(of_claim, self._lenders(of_claim, groups, function, cycles), relative)
+            self._scatter |= {e.lent or f"{s} ({e.seeds} seeds)" for s, e in found.items() if e.seeds > 1 or e.lent}
+        for scenario, seeds in undecided.items():
+            self._undecided |= dict.fromkeys(f"{scenario}: seed {n} leaves it undecided ({name})" for n in seeds)
         return {
-            s: Measured(f"{name}, {s}", estimates[s])
-            if s in estimates
-            else Measured(f"{name}, {s}", missing=(self._why_missing(s, cycles),))
+            s: Measured(f"{name}, {s}{_seeds(undecided.get(s, ()))}", found[s])
+            if s in found
+            else Measured(
+                f"{name}, {s}", missing=(self._why_missing(s, cycles, len(groups.get(s, ())), undecided.get(s, ())),)
+            )
             for s in self.claim.runs
         }
 
-    def _why_missing(self, scenario: str, cycles: int) -> str:
-        lengths = [last_cycle(r) for r in self.runs if r.scenario_name == scenario]
-        if not lengths:
+    def seen(self, function: Callable, cycles: int) -> dict[str, float]:
+        """Mean over seeds of `function(run)` by scenario, to be told where nothing is judged by it."""
+        groups, _ = self._values(function, self.reached(cycles))
+        return {scenario: sum(values) / len(values) for scenario, values in groups.items()}
+
+    def _values(self, function: Callable, members: list[Member]) -> tuple[dict[str, list[float]], dict[str, list[int]]]:
+        """Values by scenario, and the seeds that have none."""
+        groups: dict[str, list[float]] = {}
+        undecided: dict[str, list[int]] = {}
+        for m in members:
+            value = function(m.run)
+            if math.isfinite(value):
+                groups.setdefault(m.scenario, []).append(value)
+                if m.scenario in self.claim.runs and m in self.members:
+                    self._used[m.run.id] = m
+            else:
+                undecided.setdefault(m.scenario, []).append(m.run.seed)
+        return groups, {s: sorted(seeds) for s, seeds in undecided.items()}
+
+    def _lenders(
+        self, wanted: dict, groups: dict, function: Callable, cycles: int
+    ) -> dict[str, dict[str, list[float]]]:
+        """For each scenario with fewer than OWN_SEEDS: the scenarios with its contact law whose seeds lend it their
+        scatter, those of the other code where this one has none.
+        """
+        lenders = {}
+        laws = {m.scenario: _contact_law(m) for m in (*self._others, *self.members)}
+        for scenario, values in wanted.items():
+            if len(values) >= OWN_SEEDS:
+                continue
+            alike = {f"{s} ({len(v)} seeds)": v for s, v in groups.items() if laws[s] == laws[scenario]}
+            if not any(map(scatters, alike.values())):
+                members = [m for m in self._others if finished(m) >= cycles and laws[m.scenario] == laws[scenario]]
+                alike = {
+                    f"{s} ({len(v)} seeds of the other code)": v for s, v in self._values(function, members)[0].items()
+                }
+            lenders[scenario] = {name: values for name, values in alike.items() if scatters(values)}
+        return lenders
+
+    def _why_missing(self, scenario: str, cycles: int, values: int, undecided: Iterable[int]) -> str:
+        found = [m for m in self.members if m.scenario == scenario]
+        if not found:
             return f"{RUN}{scenario}"
-        if max(lengths) < cycles:
-            return f"{scenario}: {max(lengths)} of {cycles} cycles"
-        return f"{scenario}: a value (its runs are damaged or leave it undecided)"
+        longest = max(found, key=finished)
+        if finished(longest) < cycles:
+            ended = "; failed" if longest.run.info.get("state") == "failed" else ""
+            return f"{scenario}: {max(finished(longest), 0)} of {cycles} cycles{ended}"
+        if undecided:
+            return f"{scenario}: a second seed that decides{_seeds(undecided)}"
+        if values:
+            return f"{scenario}: a second seed, {values} of {len(found)} has a value"
+        return f"{scenario}: a value (its runs are damaged)"
 
     # -------------------------------------------------------------- reference
 
@@ -195,24 +292,28 @@ class Evidence:
 
     # -------------------------------------------------------------- judging
 
-    def check(self, what: str, unit: str, margin: Callable[..., float], *inputs: Measured) -> Check:
-        """Evaluate `margin` at the inputs' means, with its confidence interval."""
+    def check(
+        self, what: str, unit: str, margin: Callable[..., float], *inputs: Measured, without_curve: str = ""
+    ) -> Check:
+        """Evaluate `margin` at the inputs' means, with its uncertainty."""
         numbers = "; ".join(f"{m.name}: {_show(m.estimate, unit, self.rules.confidence)}" for m in inputs if m.estimate)
         missing = tuple(dict.fromkeys(w for m in inputs for w in m.missing))
         if missing:
-            return Check(what, numbers, math.nan, math.nan, unit, missing)
-        value, half_width = propagate(margin, [m.estimate for m in inputs], self.rules.confidence)
-        if math.isnan(half_width):
-            missing = ("a second seed of any scenario, for the uncertainty",)
-        return Check(what, numbers, value, half_width, unit, missing)
+            values = math.nan, math.nan, math.inf
+        else:
+            values = propagate(margin, [m.estimate for m in inputs])
+            if math.isnan(values[1]):
+                missing = (ANOTHER_SEED,)
+        return Check(what, numbers, *values, unit, self.rules.confidence, missing, without_curve)
 
-    def judge(self, code: str, checks: tuple[Check, ...]) -> Verdict:
+    def judge(self, checks: tuple[Check, ...]) -> Verdict:
         """All parts together: one that fails decides, otherwise all have to hold."""
+        checks = tuple(replace(c, parts=len(checks)) for c in checks)
         found = [c.verdict for c in checks]
         verdict = FAILS if FAILS in found else HOLDS if found and all(v == HOLDS for v in found) else OPEN
         missing = _together(w for c in checks for w in c.missing)
         if verdict == OPEN and not missing:
-            missing = ("more seeds or cycles: within the uncertainty",)
+            missing = (WITHIN,)
         if not any(math.isfinite(c.half_width) for c in checks):
             basis = "none yet"
         elif self.claim.uncertainty == "stated":
@@ -222,14 +323,38 @@ class Evidence:
         runs = sorted(self._used)
         return Verdict(
             self.claim,
-            code,
+            self.code,
+            self.reading,
             verdict,
             checks,
+            _because(verdict, checks, missing),
+            tuple(dict.fromkeys(c.without_curve for c in checks if c.without_curve)),
             missing if verdict == OPEN else (),
             tuple(runs),
             basis,
-            _notes(self._used[r] for r in runs),
+            (*self._undecided, *_notes(self._used[r] for r in runs)),
         )
+
+
+def _because(verdict: str, checks: tuple[Check, ...], missing: tuple[str, ...]) -> str:
+    """What decides a claim or stands in the way: the part that fails, the one that holds least, what is missing."""
+    decided = [c for c in checks if c.verdict == verdict and math.isfinite(c.margin)]
+    if verdict == OPEN:
+        within = [c for c in checks if c.verdict == OPEN and math.isfinite(c.half_width)]
+        parts = [f"{c.what}: {_margin(c)}" for c in within]
+        return "; ".join([*(m for m in missing if m != WITHIN), *(f"within the uncertainty: {p}" for p in parts)])
+    weakest = min(decided, key=lambda c: abs(c.margin) / max(c.half_width, 1e-300), default=None)
+    strongest = max(decided, key=lambda c: abs(c.margin) / max(c.half_width, 1e-300), default=None)
+    chosen = weakest if verdict == HOLDS else strongest
+    word = "" if verdict == HOLDS else "not so: "
+    others = f" (the least certain of {len(checks)} parts)" if verdict == HOLDS and len(checks) > 1 else ""
+    return f"{word}{chosen.what}: {_margin(chosen)}{others}"
+
+
+def _margin(check: Check) -> str:
+    shown, factor = _SHOWN[check.unit]
+    spread = f" +- {factor * check.half_width:.2g}"
+    return f"margin {factor * check.margin:.3g}{spread} {shown}".strip()
 
 
 def _together(missing: Iterable[str]) -> tuple[str, ...]:
@@ -240,29 +365,56 @@ def _together(missing: Iterable[str]) -> tuple[str, ...]:
     return ((f"{RUN}{', '.join(scenarios)}",) if scenarios else ()) + tuple(others)
 
 
-def _longest(runs: list) -> list:
-    """One run for each scenario and seed, the one with most cycles."""
-    best: dict[tuple, object] = {}
-    for run in sorted(runs, key=last_cycle):
-        best[run.scenario_name, run.seed] = run
+def _longest(members: Iterable[Member]) -> list[Member]:
+    """One run for each scenario and seed, the one with most cycles that count."""
+    best: dict[tuple, Member] = {}
+    for m in sorted(members, key=finished):
+        best[m.scenario, m.run.seed] = m
     return list(best.values())
 
 
-def _notes(runs: Iterable) -> tuple[str, ...]:
-    """What a reader must know of the runs: deviations from the paper's laws, parameters that are not today's."""
-    notes = {}
-    for run in runs:
-        for deviation in run.info.get("deviations", []):
-            notes.setdefault(str(deviation), []).append(run.scenario_name)
-        try:
-            today = load_scenario(run.scenario_name, run.profile)
-        except ScenarioError:
-            continue
-        changed = today.changes(run.scenario) if run.scenario else []
+def finished(m: Member) -> int:
+    """Cycles of a run that count; those of a failed run up to the one before it failed, and -1 without any."""
+    return last_cycle(m.run) - (m.run.info.get("state") == "failed")
+
+
+def _contact_law(m: Member) -> str:
+    return m.run.scenario["contact.model"] if m.run.scenario is not None else ""
+
+
+def _seeds(undecided: Iterable[int]) -> str:
+    """Seeds that leave a value undecided, in brackets."""
+    found = list(undecided)
+    return f" (undecided: seed{'s' if len(found) > 1 else ''} {', '.join(map(str, found))})" if found else ""
+
+
+@functools.lru_cache(64)
+def _today(scenario: str, profile: str):
+    """A scenario as it is now; None where it is no more."""
+    try:
+        return load_scenario(scenario, profile)
+    except ScenarioError:
+        return None
+
+
+def _notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """What a reader must know of the runs: deviations from the paper's laws, parameters that are not today's, an end
+    before its time.
+    """
+    notes: dict[str, list[str]] = {}
+    for m in members:
+        for deviation in m.run.info.get("deviations", []):
+            notes.setdefault(str(deviation), []).append(m.scenario)
+        if m.run.info.get("state") == "failed":
+            reason = m.run.info.get("reason") or "no reason given"
+            note = f"seed {m.run.seed} failed after cycle {last_cycle(m.run)} ({reason}); the cycles before count"
+            notes.setdefault(note, []).append(m.scenario)
+        today = _today(m.run.scenario_name, m.run.profile)
+        changed = today.changes(m.run.scenario) if today and m.run.scenario is not None else []
         if changed:
             more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
             note = f"made with other parameters than today's (today -> then): {'; '.join(changed[:3])}{more}"
-            notes.setdefault(note, []).append(run.scenario_name)
+            notes.setdefault(note, []).append(m.scenario)
     return tuple(f"{', '.join(dict.fromkeys(names))}: {note}" for note, names in notes.items())
 
 
@@ -281,4 +433,6 @@ def widened(measured: Measured, standard_error: float) -> Measured:
     if measured.estimate is None:
         return measured
     e = measured.estimate
-    return Measured(measured.name, Estimate(e.mean, math.hypot(e.standard_error, standard_error), e.degrees, e.seeds))
+    error = math.hypot(e.standard_error, standard_error)
+    degrees = combined((e.standard_error**2, standard_error**2), (e.degrees, math.inf))
+    return Measured(measured.name, replace(e, standard_error=error, degrees=degrees))

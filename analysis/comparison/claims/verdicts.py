@@ -1,4 +1,6 @@
-"""The paper's eleven claims, each judged per code by a criterion fixed beforehand in reference_data/claims.toml."""
+"""The paper's eleven claims, each judged per code and reading of the load by a criterion fixed beforehand in
+reference_data/claims.toml; and which of them the reading decides.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,8 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims.checks import CHECKS
-from analysis.comparison.claims.evidence import CODES, Claim, Evidence, Rules, Verdict
+from analysis.comparison.claims.evidence import CODES, FAILS, HOLDS, OPEN, Claim, Evidence, Rules, Verdict
+from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.reference.curves import REFERENCE_FOLDER, References, load_references
 
 
@@ -58,17 +61,24 @@ def _claim(file: str, entry: dict) -> Claim:
 def evaluate_claims(
     runs: Iterable, references: References | None = None, path: Path = REFERENCE_FOLDER / "claims.toml"
 ) -> list[Verdict]:
-    """Judge all claims for both codes from `runs` (of load_runs) and `references` (default: the committed ones)."""
+    """Judge all claims for both codes, in both readings of the load, from `runs` (of load_runs) and `references`
+    (default: the committed ones).
+    """
     claims, rules = load_claims(path)
     references = load_references() if references is None else references
     runs = list(runs)
-    return [judge(claim, code, runs, references, rules) for claim in claims for code in CODES]
+    return [
+        judge(claim, code, reading, runs, references, rules)
+        for claim in claims
+        for reading in READINGS
+        for code in CODES
+    ]
 
 
-def judge(claim: Claim, code: str, runs: Iterable, references: References, rules: Rules) -> Verdict:
-    """Judge one claim for one code."""
-    evidence = Evidence([r for r in runs if r.code == code], references, rules, claim)
-    return evidence.judge(code, tuple(CHECKS[claim.id](evidence, claim.thresholds)))
+def judge(claim: Claim, code: str, reading: str, runs: Iterable, references: References, rules: Rules) -> Verdict:
+    """Judge one claim for one code in one reading of the load."""
+    evidence = Evidence(runs, references, rules, claim, code, reading)
+    return evidence.judge(tuple(CHECKS[claim.id](evidence, claim.thresholds)))
 
 
 def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
@@ -79,7 +89,9 @@ def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
                 "number": v.claim.number,
                 "claim": v.claim.sentence,
                 "code": v.code,
+                "reading": v.reading,
                 "verdict": v.verdict,
+                "because": v.because,
                 "check": c.what,
                 "check_verdict": c.verdict,
                 "numbers": c.numbers,
@@ -87,8 +99,49 @@ def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
                 "half_width": c.half_width,
                 "unit": c.unit,
                 "missing": "; ".join(c.missing),
+                "without_curve": c.without_curve,
             }
             for v in verdicts
             for c in v.checks
         ]
     )
+
+
+BY_SERVO, BY_LOAD, BOTH, NEITHER = "only by the servo", "only under the true load", "in both readings", "in neither"
+
+
+def compare_readings(verdicts: Iterable[Verdict]) -> pd.DataFrame:
+    """What the reading of the load decides: a row per claim and code, for the whole claim (part = "") and each part.
+
+    Columns: number, claim, code, part, true_load, servo (verdicts), outcome. Outcome `only by the servo`: the claim
+    follows from the servo's filter alone, since under the load as prescribed it does not hold; `only under the true
+    load`, `in both readings`, `in neither`; empty where a reading leaves it undecided.
+    """
+    found = {(v.claim.number, v.code, v.reading): v for v in verdicts}
+    rows = []
+    for number, code in dict.fromkeys((number, code) for number, code, _ in found):
+        load, servo = found.get((number, code, TRUE_LOAD)), found.get((number, code, SERVO))
+        if load is None or servo is None:
+            continue
+        parts = [("", load.verdict, servo.verdict)]
+        if len(load.checks) == len(servo.checks) > 1:
+            parts += [(a.what, a.verdict, b.verdict) for a, b in zip(load.checks, servo.checks, strict=True)]
+        rows += [
+            {
+                "number": number,
+                "claim": load.claim.sentence,
+                "code": code,
+                "part": part,
+                "true_load": one,
+                "servo": other,
+                "outcome": _outcome(one, other),
+            }
+            for part, one, other in parts
+        ]
+    return pd.DataFrame(rows, columns=["number", "claim", "code", "part", "true_load", "servo", "outcome"])
+
+
+def _outcome(load: str, servo: str) -> str:
+    if OPEN in (load, servo):
+        return ""
+    return {(HOLDS, HOLDS): BOTH, (HOLDS, FAILS): BY_LOAD, (FAILS, HOLDS): BY_SERVO}.get((load, servo), NEITHER)
