@@ -84,7 +84,7 @@ def plain_quantities(monkeypatch):
         return float(difference.mean()) if what == "shift_m" else float(np.sqrt(np.mean(rms[what] ** 2)))
 
     quantities = {
-        "exponential_share": lambda run, last: run.share,
+        "exponential_share": lambda run, last, threshold: run.share,
         "settlement": lambda run, cycle: float(run.settlement[row(cycle)]),
         "lateral_profile": lambda run, cycle: run.lateral[row(cycle)],
         "porosities": lambda run, cycle: run.porosity[row(cycle)] if cycle else np.full(3, run.start),

@@ -35,7 +35,7 @@ def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
     # the fits take their time: only the runs that are judged; nobody has to lend, since two seeds are asked for
     share = e.measure(
         f"exponential share after cycle {last}",
-        lambda r: exponential_share(r, last),
+        lambda r: exponential_share(r, last, t["share"]),
         last,
         relative=False,
         members=[m for m in e.reached(last) if m.scenario in e.claim.runs],

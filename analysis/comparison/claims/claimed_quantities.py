@@ -42,17 +42,22 @@ def porosity_range(run, cycle: int) -> float:
     return float(np.ptp(np.vstack([porosities(run, 0), rows]), axis=0).mean())
 
 
-def exponential_share(run, last: int) -> float:
+def exponential_share(run, last: int, threshold: float) -> float:
     """Exponential part over the whole settlement after cycle `last`, both of the fitted law.
 
-    0 where another law describes the curve better, nan where the curve leaves it undecided (`settlement_fits.choose`).
+    0 where another law describes the curve better or settlement starts slower than it goes on. Where the curve leaves
+    the law undecided (`settlement_fits.choose`): the share of the exponential law if that is below `threshold`, since
+    whichever law is right the share then is, else nan.
     """
     table = run.cycles[run.cycles["cycle"] <= last]
     choice = settlement_fits.choose(table["cycle"], table["settlement_m"])
-    if choice.exponential_start != "yes":
-        return 0.0 if choice.exponential_start == "no" else math.nan
+    if choice.best is None:
+        return math.nan
     fit = choice.fits["exponential"]
-    return float(-fit.values["b"] * math.expm1(-last / fit.values["c"]) / fit.settlement([last])[0])
+    share = max(0.0, float(-fit.values["b"] * math.expm1(-last / fit.values["c"]) / fit.settlement([last])[0]))
+    if choice.exponential_start == "yes":
+        return share
+    return 0.0 if choice.exponential_start == "no" else share if share < threshold else math.nan
 
 
 def slope(cycles, values, first: int, last: int) -> float:

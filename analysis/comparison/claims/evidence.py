@@ -37,6 +37,7 @@ CODES = ("liggghts", "yade")
 
 RUN = "a full-size run of "
 WITHIN = "more seeds or cycles: within the uncertainty"
+PENDING = "(pending)"
 ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the uncertainty"
 
 
@@ -288,7 +289,7 @@ class Evidence:
 
     def pending(self, *quantities: str) -> Measured:
         """What stands for a reference curve that is not there."""
-        return Measured("experiment", missing=tuple(f"the experiment's {q} (pending)" for q in quantities))
+        return Measured("experiment", missing=tuple(f"the experiment's {q} {PENDING}" for q in quantities))
 
     # -------------------------------------------------------------- judging
 
@@ -304,7 +305,8 @@ class Evidence:
             values = propagate(margin, [m.estimate for m in inputs])
             if math.isnan(values[1]):
                 missing = (ANOTHER_SEED,)
-        return Check(what, numbers, *values, unit, self.rules.confidence, missing, without_curve)
+        pending = any(PENDING in what for what in missing)
+        return Check(what, numbers, *values, unit, self.rules.confidence, missing, without_curve if pending else "")
 
     def judge(self, checks: tuple[Check, ...]) -> Verdict:
         """All parts together: one that fails decides, otherwise all have to hold."""
