@@ -75,10 +75,10 @@ def make_run(
     table = pd.DataFrame({"cycle": n, "settlement_m": s})
     for k in range(5):
         table[f"lateral_{k + 1}_m"] = factor * growth * SHAPE[k] / SHAPE.mean()
-    offset = 0.001 * scatter / 0.01 * rng.standard_normal()
+    offset = 0.001 * scatter / 0.01 * (rng.standard_normal() + 0.2 * rng.standard_normal(3))
     for k in range(3):
-        table[f"porosity_{k + 1}"] = start[k] + offset + (end[k] - start[k]) * np.minimum(n / (until or cycles), 1)
-    before = pd.DataFrame({"cycle": [0], **{f"porosity_{k + 1}": [start[k] + offset] for k in range(3)}})
+        table[f"porosity_{k + 1}"] = start[k] + offset[k] + (end[k] - start[k]) * np.minimum(n / (until or cycles), 1)
+    before = pd.DataFrame({"cycle": [0], **{f"porosity_{k + 1}": [start[k] + offset[k]] for k in range(3)}})
     info = {
         "state": "finished",
         "steps_per_second": {"cyclic": speed},
@@ -661,6 +661,6 @@ def test_the_study_says_of_every_other_claim_what_it_can_without_the_curve(the_s
 
 def test_the_study_judges_yade_as_far_as_its_one_bed_goes(the_study):
     found = {(v.claim.number, v.reading): v for v in the_study if v.code == "yade"}
-    assert [n for n in (9, 10, 11) if found[n, TRUE_LOAD].verdict == OPEN] == []
+    assert [n for n in (10, 11) if found[n, TRUE_LOAD].verdict == OPEN] == []
     assert found[1, TRUE_LOAD].missing and "a second seed" in found[1, TRUE_LOAD].missing[0]
     assert any("linear-mu0.8" in m for m in found[10, SERVO].missing)
