@@ -17,6 +17,7 @@ from analysis.comparison.claims.verdicts import evaluate_claims
 from analysis.reference import check, webplotdigitizer
 from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
 from analysis.reference.settlement_laws import settlement_laws
+from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.build import build
 from analysis.report.figure import Gallery
 from analysis.report.figures.lateral import lateral_figure
@@ -159,6 +160,38 @@ def test_settlement_laws_are_one_at_the_first_cycle_and_follow_their_formulas():
     assert laws["log-hettler"].ratio(np.e**2) == pytest.approx(1.86)
     assert laws["log-lower"].ratio(np.e**2) == pytest.approx(1.4)
     assert laws["power-selig-waters"].ratio(1000) == pytest.approx(3.2359, abs=1e-4)
+
+
+def test_measured_shapes_are_as_transcribed_and_say_what_they_can_and_cannot_decide():
+    found = settlement_shapes()
+    shapes = {s.id: s for s in found.shapes}
+    assert len(shapes) == 4 and found.status == "transcribed"
+    assert shapes["sun-30kPa-230kPa"].ratio([1, 10, 100, 1000]) == pytest.approx([0.084, 0.255, 0.428, 1])
+    assert shapes["tennakoon-indraratna-10kPa"].ratio([1, 49, 979]) == pytest.approx([0.29, 0.557, 1])
+    assert shapes["sun-10kPa-230kPa"].ratio(1000, reference_cycle=100) == pytest.approx(1 / 0.429)
+    assert np.isnan(shapes["tennakoon-indraratna-10kPa"].ratio(1000))  # nothing beyond what was measured
+    low, high = found.least_and_largest(1)
+    assert (low, high) == pytest.approx((0.059, 0.29)) and "6 to 29 %" in found.decides
+    assert "2.1" in found.weakness and "third party" in found.provenance and found.cannot_decide
+
+
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ("0.29, 0.557, 1.0", "0.29, 0.557, 0.9", "tennakoon-indraratna-10kPa: cycles and ratio are refused"),
+        ("[1, 49, 979]", "[1, 49]", "tennakoon-indraratna-10kPa: cycles and ratio are refused"),
+        ('source     = "tennakoon2014"', 'source     = "nobody2014"', "source 'nobody2014' is not in reference.bib"),
+        ("weakness ", "strength ", "[about] has quantity, status, provenance, weakness"),
+    ],
+)
+def test_a_bad_settlement_shape_is_refused_in_one_line(folder, capsys, old, new, words):
+    path = folder / "settlement_shapes" / "shapes.toml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    assert check.main(["--folder", str(folder)]) == 1
+    error = capsys.readouterr().err
+    assert words in error and error.count("\n") == 1
 
 
 def test_the_answers_shown_in_the_guide_are_accepted(folder):

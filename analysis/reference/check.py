@@ -8,6 +8,7 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, References, load_references
 from analysis.reference.settlement_laws import settlement_laws
+from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.scenarios.scenario import ScenarioError
 
 
@@ -22,6 +23,8 @@ def main(argv: list[str]) -> int:
     try:
         laws = settlement_laws(folder)
         print(f"Settlement laws: {len(laws)} transcribed ({', '.join(law.id for law in laws)})")
+        found = settlement_shapes(folder)
+        print(f"Settlement shapes: {len(found.shapes)} {found.status} ({', '.join(s.id for s in found.shapes)})")
     except (ReferenceError, ScenarioError) as error:
         problems.append(str(error))
     for problem in problems:

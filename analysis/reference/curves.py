@@ -24,7 +24,7 @@ from analysis.scenarios.scenario import load_scenario, scenario_names
 
 REFERENCE_FOLDER = ROOT / "reference_data"
 
-NOT_CURVES = ("settlement_laws", "runs")
+NOT_CURVES = ("settlement_laws", "settlement_shapes", "runs")
 
 COLUMNS = (
     "source",
