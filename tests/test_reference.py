@@ -41,7 +41,7 @@ def folder(tmp_path):
 def fill(
     sidecar, files, x=("-", [0, 1000]), y=("mm", [0, 20]), error=(0.2, "mm"), status="digitised", base=0, **replace
 ):
-    """Answer every "?" of a sidecar, x and y as (unit, range); `replace` maps further words of the file."""
+    """Answer every "?" of a sidecar, x and y as (unit, range) or (unit, range, scale); `replace` maps further words."""
     text = sidecar.read_text()
     text = text.replace('status  = "pending"', f'status  = "{status}"')
     text = text.replace("files        = []", f"files = {json.dumps(files)}")
@@ -51,9 +51,10 @@ def fill(
     text = text.replace('at_sleeper_base = "?"', f"at_sleeper_base = {base}")
     head, x_axis, y_axis = re.split(r"(?=\[axes\.[xy]\])", text)
     blocks = []
-    for block, (unit, limits) in ((x_axis, x), (y_axis, y)):
+    for block, (unit, limits, *scale) in ((x_axis, x), (y_axis, y)):
         block = block.replace('unit     = "?"', f'unit     = "{unit}"')
-        blocks.append(block.replace('range    = "?"', f"range    = {limits}"))
+        scales = "".join(f'\nscale    = "{value}"' for value in scale)
+        blocks.append(block.replace('range    = "?"', f"range    = {limits}{scales}"))
     text = head + "".join(blocks)
     for old, new in replace.items():
         assert old in text
@@ -73,7 +74,8 @@ def side_by_side_csv(path, datasets):
     path.write_text("\n".join(lines) + "\n")
 
 
-def project_json(path, datasets, x=(0, 1000), y=(0, 20), version=4, axes_type="XYAxes"):
+def project_json(path, datasets, x=(0, 1000), y=(0, 20), version=4, axes_type="XYAxes", log_x=False, bar=None):
+    """`bar` adds a chart of that name on axes of another kind."""
     corners = [
         {"px": 0, "py": 0, "dx": str(dx), "dy": str(dy), "dz": None}
         for dx, dy in ((x[0], y[0]), (x[1], y[0]), (x[0], y[0]), (x[0], y[1]))
@@ -93,13 +95,16 @@ def project_json(path, datasets, x=(0, 1000), y=(0, 20), version=4, axes_type="X
             "wpd": {
                 "version": [3, 8],
                 "axesType": axes_type,
-                "axesParameters": {"isLogX": False, "isLogY": False},
+                "axesParameters": {"isLogX": log_x, "isLogY": False},
                 "calibration": corners,
                 "dataSeries": series,
             }
         }
     else:
-        axes = [{"name": "XY", "type": axes_type, "isLogX": False, "isLogY": False, "calibrationPoints": corners}]
+        axes = [{"name": "XY", "type": axes_type, "isLogX": log_x, "isLogY": False, "calibrationPoints": corners}]
+        if bar:
+            axes.append({"name": "Bar", "type": "BarAxes", "calibrationPoints": corners[:2]})
+            series.append({"name": bar, "axesName": "Bar", "data": [{"x": 1.0, "y": 2.0, "value": [3.0, 4.0, 5.0]}]})
         body = {"version": [4, 2], "axesColl": axes, "datasetColl": series, "measurementColl": []}
     path.write_text(json.dumps(body))
 
@@ -400,7 +405,7 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
     assert "reference curves of" not in first_page  # none is pending
 
     judged = [v for v in evaluate_claims(runs, references) if v.claim.reference]
-    assert len(judged) == 10 and not any("(pending)" in m for v in judged for m in v.missing)
+    assert len(judged) == 20 and not any("(pending)" in m for v in judged for m in v.missing)
 
 
 def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
@@ -414,6 +419,73 @@ def test_one_bad_sidecar_does_not_hide_the_others(folder, capsys):
     assert problem.startswith("chen2015/settlement.toml: is not valid TOML")
     assert check.main(["--folder", str(folder)]) == 1
     assert "ERROR: chen2015/settlement.toml" in capsys.readouterr().err
+
+
+# ------------------------------------------------------------------ WebPlotDigitizer as people use it
+
+
+def test_points_in_the_order_of_clicking_are_sorted_on_reading(folder):
+    shuffled = np.random.default_rng(1).permutation(settlement_points())
+    single_csv(folder / "indraratna2013" / "s.csv", shuffled)
+    fill(folder / "indraratna2013" / "settlement.toml", ["s.csv"])
+    rows = only(load_references(folder), quantity="settlement")
+    assert rows["cycle"].to_numpy() == pytest.approx(CYCLES)
+    assert rows["value"].to_numpy() == pytest.approx(1e-3 * SETTLEMENT_MM)
+
+
+@pytest.mark.parametrize("version", [3, 4])
+def test_a_logarithmic_axis_is_read_by_the_project_or_by_the_sidecar(folder, version):
+    cycles = np.array([1, 3, 10, 2e3, 5e4, 5e5])
+    points = np.column_stack([cycles, np.linspace(2, 18, 6)])
+    source = folder / "indraratna2013"
+    project_json(source / "wpd.json", {"experiment": points}, x=(1, 5e5), version=version, log_x=True)
+    fill(source / "settlement.toml", ["wpd.json"], x=("-", [1, 500000]))
+    single_csv(folder / "chen2015" / "s.csv", points[:3])  # on a linear axis to 500 000 they would span nothing
+    fill(folder / "chen2015" / "settlement.toml", ["s.csv"], x=("-", [1, 500000], "log"))
+    references = load_references(folder)
+    assert only(references, quantity="settlement", source="indraratna2013")["cycle"].to_numpy() == pytest.approx(cycles)
+    assert len(only(references, quantity="settlement", source="chen2015")) == 3
+
+
+def test_one_project_serves_several_sidecars_each_takes_what_it_names(folder):
+    source = folder / "indraratna2013"
+    profile = np.column_stack([np.linspace(10, 150, 5), DEPTH_MM])
+    body = {"experiment": settlement_points(), "experiment after 100": profile}
+    project_json(source / "wpd.json", body, y=(0, 325))
+    fill(source / "settlement.toml", ["wpd.json"], y=("mm", [0, 325]))
+    fill(source / "lateral_displacement.toml", ["wpd.json"], x=("mm", [0, 1000]), y=("mm", [0, 325]), base=0)
+    references = load_references(folder)
+    assert references.problems == []
+    assert set(references.curves["curve"]) == set(body)
+
+
+def test_what_no_sidecar_names_is_complained_of_and_the_rest_is_taken(folder):
+    source = folder / "indraratna2013"
+    project_json(
+        source / "wpd.json", {"experiment": settlement_points(), "scratch": settlement_points()}, bar="columns"
+    )
+    fill(source / "settlement.toml", ["wpd.json"])
+    references = load_references(folder)
+    (problem,) = references.problems
+    assert "dataset 'scratch' is not a curve of settlement.toml" in problem and "likewise 'columns'" in problem
+    assert set(references.curves["curve"]) == {"experiment"}
+
+
+def test_datasets_named_like_numbers_and_names_over_both_columns_are_read(tmp_path):
+    path = tmp_path / "all.csv"
+    path.write_text("0.6,0.6,inf,\nX,Y,x,y\n1,2,3,4\n5,6,,\n")
+    found = {d.name: d.points.tolist() for d in webplotdigitizer.read(path)}
+    assert found == {"0.6": [[1, 2], [5, 6]], "inf": [[3, 4]]}
+
+
+def test_a_file_without_any_of_the_sidecars_curves_is_not_overlooked(folder):
+    source = folder / "indraratna2013"
+    profile = np.column_stack([np.linspace(10, 150, 5), DEPTH_MM])
+    project_json(source / "wpd.json", {"experiment after 100": profile, "experiment after 1": profile}, y=(0, 325))
+    fill(source / "settlement.toml", ["wpd.json"])
+    fill(source / "lateral_displacement.toml", ["wpd.json"], x=("mm", [0, 1000]), y=("mm", [0, 325]), base=0)
+    (problem,) = load_references(folder).problems
+    assert problem.startswith("indraratna2013/settlement.toml: none of its curves is in wpd.json; rename the dataset")
 
 
 # ------------------------------------------------------------------ what is refused
@@ -471,7 +543,10 @@ BAD = {
         _file("s.csv", "experment,,b,\nX,Y,X,Y\n1,2,3,4\n"),
         ["s.csv", "'experment' is not a curve of settlement.toml", "perhaps 'experiment'"],
     ),
-    "dataset twice": (_file("s.csv", "a,,a,\nX,Y,X,Y\n1,2,3,4\n"), ["s.csv", "'a' occurs twice"]),
+    "dataset twice": (
+        _file("s.csv", "experiment,,experiment,\nX,Y,X,Y\n1,2,3,4\n"),
+        ["s.csv", "'experiment' occurs twice"],
+    ),
     "not JSON": (_file("s.json", "{"), ["s.json", "not JSON"]),
     "JSON of something else": (_file("s.json", '{"a": 1}'), ["s.json", "not a WebPlotDigitizer project", "wpd.json"]),
     "JSON list": (_file("s.json", "[1, 2]"), ["s.json", "not a WebPlotDigitizer project"]),
@@ -496,8 +571,12 @@ BAD = {
     "metres called millimetres": (_fill(y=("m", [0, 20])), ["settlement", "m is outside", "axes.y: unit"]),
     "off the axis": (_points(lambda p: _row(p, 3, 1, 25.0)), ["y = 25", "off the axis, 0 to 20 mm", "axes.y.range"]),
     "beyond the last cycle": (_points(lambda p: _row(p, 9, 0, 1100.0)), ["x = 1100", "off the axis, 0 to 1000"]),
-    "cycles go back": (_points(lambda p: _row(p, 4, 0, 3.0)), ["cycle does not increase at point 5", "sort by X"]),
-    "cycle twice": (_points(lambda p: _row(p, 4, 0, 10.0)), ["does not increase at point 5", "doubled points"]),
+    "cycle twice": (_points(lambda p: _row(p, 4, 0, 10.0)), ["two points at cycle 10", "delete one of them"]),
+    "log axis to zero": (_fill(x=("-", [0, 1000], "log")), ["axes.x.range", "cannot be logarithmic"]),
+    "log in the sidecar, linear in the project": (
+        lambda source: _project()(source) | {"x": ("-", [1, 1000], "log")},
+        ["axes.x.scale", "the project has it linear"],
+    ),
     "negative settlement": (
         lambda source: _points(lambda p: p * [1, -0.1])(source) | {"y": ("mm", [0, -2])},
         ["settlement is negative", "axes.y.reversed = true"],

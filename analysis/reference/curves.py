@@ -10,7 +10,7 @@ import difflib
 import json
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import jsonschema
@@ -142,16 +142,22 @@ class References:
 def load_references(folder: Path = REFERENCE_FOLDER) -> References:
     """Read and check all sidecars of `folder`; a bad one becomes a line in `problems` and does not hide the others."""
     folder = Path(folder)
-    curves, pending, sources, problems, named = [], [], [], [], set()
+    curves, pending, sources, problems, silent, named, heads = [], [], [], [], [], set(), {}
     for sidecar in sidecars(folder):
         try:
-            head = _read_sidecar(sidecar)
-            named |= {sidecar.parent / file for file in head.get("files", [])}
+            heads[sidecar] = _read_sidecar(sidecar)
+        except ReferenceError as error:
+            problems.append(f"{sidecar.parent.name}/{error}")
+            named |= set(sidecar.parent.iterdir())  # whose files they are is unknown now
+    for sidecar, head in heads.items():
+        named |= {sidecar.parent / file for file in head.get("files", [])}
+        try:
             there, missing = _load(sidecar, head)
         except (ReferenceError, DigitiserError) as error:
             problems.append(f"{sidecar.parent.name}/{error}")
-            named |= set(sidecar.parent.iterdir())  # whose files they are is unknown now
         else:
+            if not there and head["status"] != "pending":
+                silent.append(sidecar)
             curves += there
             pending += missing
             sources.append(_source(sidecar, head, there))
@@ -161,6 +167,13 @@ def load_references(folder: Path = REFERENCE_FOLDER) -> References:
                 f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
                 "of its figure and set its status"
             )
+    unclaimed = _claimed_by_none(heads)
+    problems += unclaimed + [
+        f"{sidecar.parent.name}/{sidecar.name}: none of its curves is in {', '.join(heads[sidecar]['files'])}; rename "
+        "the dataset in WebPlotDigitizer as it is named in curves"
+        for sidecar in silent
+        if not any(f"{sidecar.parent.name}/{file}:" in line for file in heads[sidecar]["files"] for line in unclaimed)
+    ]
     table = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=COLUMNS)
     return References(
         table[list(COLUMNS)],
@@ -168,6 +181,39 @@ def load_references(folder: Path = REFERENCE_FOLDER) -> References:
         problems,
         pd.DataFrame(sources, columns=SOURCE_COLUMNS),
     )
+
+
+def _claimed_by_none(heads: dict[Path, dict]) -> list[str]:
+    """A line for each dataset of a file that is a curve of no sidecar which names the file."""
+    by_file: dict[Path, list[Path]] = {}
+    for sidecar, head in heads.items():
+        for file in head.get("files", []):
+            by_file.setdefault(sidecar.parent / file, []).append(sidecar)
+    problems = []
+    for path, claimants in by_file.items():
+        try:
+            datasets = webplotdigitizer.read(path)
+        except DigitiserError:
+            continue  # the sidecar says so
+        if any(_takes_any_name(heads[sidecar], datasets) for sidecar in claimants):
+            continue
+        names = [curve["dataset"] for sidecar in claimants for curve in heads[sidecar]["curves"]]
+        unclaimed = list(dict.fromkeys(d.name for d in datasets if d.name not in names))
+        if unclaimed:
+            near = difflib.get_close_matches(unclaimed[0], names, 1)
+            known = f"its curves, perhaps {near[0]!r}" if near else ", ".join(map(repr, names[:4]))
+            further = f"; likewise {', '.join(map(repr, unclaimed[1:4]))}" if unclaimed[1:] else ""
+            problems.append(
+                f"{path.parent.name}/{path.name}: dataset {unclaimed[0]!r} is not a curve of "
+                f"{' or '.join(s.name for s in claimants)}; rename it in WebPlotDigitizer to one of {known}, or "
+                f"delete it{further}"
+            )
+    return problems
+
+
+def _takes_any_name(head: dict, datasets: list[Dataset]) -> bool:
+    """A sidecar of one curve and one file takes the file's only dataset, whatever its name."""
+    return len(head["curves"]) == len(datasets) == len(head["files"]) == 1
 
 
 def sidecars(folder: Path = REFERENCE_FOLDER) -> list[Path]:
@@ -310,20 +356,20 @@ def _axes(sidecar: Path, head: dict) -> tuple[str, str]:
 
 
 def _datasets(sidecar: Path, head: dict) -> dict[str, tuple[str, Dataset]]:
-    """Datasets of all files by name; a file's only dataset may have any name where the sidecar has one curve."""
+    """Datasets of all files that the sidecar names as its curves; a file's only dataset may have any name where the
+    sidecar has one curve. A file may hold other sidecars' curves as well.
+    """
     wanted = [c["dataset"] for c in head["curves"]]
     found: dict[str, tuple[str, Dataset]] = {}
     for file in head["files"]:
         datasets = webplotdigitizer.read(sidecar.parent / file)
-        if len(wanted) == len(datasets) == len(head["files"]) == 1:
-            datasets = [Dataset(wanted[0], datasets[0].points, datasets[0].calibration)]
+        if _takes_any_name(head, datasets):
+            datasets = [replace(datasets[0], name=wanted[0])]
         for dataset in datasets:
             if dataset.name not in wanted:
-                near = difflib.get_close_matches(dataset.name, wanted, 1)
-                known = f"its curves, perhaps {near[0]!r}" if near else ", ".join(map(repr, wanted[:4]))
-                raise ReferenceError(
-                    f"{file}: dataset {dataset.name!r} is not a curve of {sidecar.name}; rename it to one of {known}"
-                )
+                continue
+            if dataset.problem:
+                raise ReferenceError(dataset.problem)
             if dataset.name in found:
                 raise ReferenceError(f"{file}: dataset {dataset.name!r} is also in {found[dataset.name][0]}; keep one")
             found[dataset.name] = (file, dataset)
@@ -338,10 +384,15 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
 
     if len(dataset.points) < LEAST_POINTS:
         raise refuse(f"{len(dataset.points)} points; at least {LEAST_POINTS} are needed")
+    # in the order of the coordinate, whatever the order of clicking: exports do not sort
+    points = dataset.points[np.argsort(dataset.points[:, "xy".index(other_axis)], kind="stable")]
     columns = {}
     for index, name in enumerate("xy"):
-        axis, raw = head["axes"][name], dataset.points[:, index]
-        _check_on_axis(refuse, name, axis, raw, dataset.calibration and dataset.calibration[index], sidecar.name)
+        axis, raw = head["axes"][name], points[:, index]
+        logarithmic = _logarithmic(refuse, name, axis, dataset.logarithmic and dataset.logarithmic[index])
+        _check_on_axis(
+            refuse, name, axis, raw, dataset.calibration and dataset.calibration[index], sidecar.name, logarithmic
+        )
         columns[name] = _to_si(axis, raw)
         low, high = PLAUSIBLE[axis["quantity"]]
         outside = (columns[name] < low) | (columns[name] > high)
@@ -353,8 +404,9 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
                 f"check axes.{name}: {keys}"
             )
         low, high = sorted(axis["range"])
-        least = LEAST_COVER["value" if name == value_axis else "coordinate"] * (high - low)
-        if np.ptp(raw) < least:
+        on_paper = np.log10 if logarithmic else np.asarray
+        least = LEAST_COVER["value" if name == value_axis else "coordinate"] * np.ptp(on_paper([low, high]))
+        if np.ptp(on_paper(raw)) < least:
             raise refuse(
                 f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
                 f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped"
@@ -368,12 +420,12 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
     if row["quantity"] == "settlement" and np.median(value) < 0:
         raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
     step = np.diff(coordinate)
-    falling_depth = head["axes"][other_axis]["quantity"] == "depth" and (step < 0).all()
-    if not (falling_depth or (step > 0).all()):
-        at = int(np.argmax(step <= 0)) + 2
+    if not (step != 0).all():
+        at = int(np.argmax(step == 0))
+        doubled = points[at, "xy".index(other_axis)]
         raise refuse(
-            f"{head['axes'][other_axis]['quantity']} does not increase at point {at}; sort by "
-            f"{other_axis.upper()} in WebPlotDigitizer and delete doubled points"
+            f"two points at {head['axes'][other_axis]['quantity']} {doubled:.6g}; delete one of them in "
+            "WebPlotDigitizer"
         )
     error = head["error"]
     if (error["unit"] in ("-", "%")) != (VALUES[row["quantity"]] == "-"):
@@ -401,21 +453,37 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
     )
 
 
-def _check_on_axis(refuse, name, axis, raw, calibration, sidecar) -> None:
+def _logarithmic(refuse, name: str, axis: dict, project: bool | None) -> bool:
+    """Whether an axis is logarithmic: the sidecar says it, or the project does; they may not contradict each other."""
+    declared = axis.get("scale")
+    if declared and project is not None and (declared == "log") != project:
+        told = "log" if project else "linear"
+        raise refuse(f'axes.{name}.scale = "{declared}", but the project has it {told}; set scale = "{told}"')
+    logarithmic = project if declared is None and project is not None else declared == "log"
+    if logarithmic and min(axis["range"]) <= 0:
+        raise refuse(
+            f"axes.{name}.range = {axis['range']} cannot be logarithmic; give the first and last printed value, above 0"
+        )
+    return bool(logarithmic)
+
+
+def _check_on_axis(refuse, name, axis, raw, calibration, sidecar, logarithmic) -> None:
     """Points, and the values that calibrated the axis, lie on the axis as printed."""
     low, high = sorted(axis["range"])
     if low == high:
         raise ReferenceError(
             f"{sidecar}: axes.{name}.range = {axis['range']} is empty; give the first and last printed value"
         )
-    slack = AXIS_SLACK * (high - low)
+    factor = (high / low) ** AXIS_SLACK if logarithmic else 1.0
+    slack = 0.0 if logarithmic else AXIS_SLACK * (high - low)
+    least, most = low / factor - slack, high * factor + slack
     for value in raw:
-        if not low - slack <= value <= high + slack:
+        if not least <= value <= most:
             raise refuse(
                 f"{name} = {value:.6g} is off the axis, {low:g} to {high:g} {axis['unit']}; "
                 f"check axes.{name}.range, the calibration and whether the axes are swapped"
             )
-    if calibration and not (low - slack <= calibration[0] and calibration[1] <= high + slack):
+    if calibration and not (least <= calibration[0] and calibration[1] <= most):
         raise refuse(
             f"axis {name} was calibrated from {calibration[0]:g} to {calibration[1]:g}, beyond {low:g} to "
             f"{high:g} {axis['unit']}; check axes.{name}: unit and range"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +16,19 @@ class DigitiserError(ValueError):
 
 @dataclass(frozen=True)
 class Dataset:
-    """Points of one dataset: array (n, 2) of x and y in the units of the figure's axes.
+    """Points of one dataset: array (n, 2) of x and y in the units of the figure's axes, in the order of the file.
 
-    `calibration` holds the smallest and largest axis values used to calibrate x and y, where the file tells them.
+    calibration   the smallest and largest axis values used to calibrate x and y, where the file tells them
+    logarithmic   whether x and y are logarithmic, where the file tells it
+    problem       why it cannot be used, as one line; empty where it can. A project may hold other figures too, so this
+                  is a matter of those who want it
     """
 
     name: str
     points: np.ndarray
     calibration: tuple[tuple[float, float], tuple[float, float]] | None = None
+    logarithmic: tuple[bool, bool] | None = None
+    problem: str = ""
 
 
 def read(path: Path) -> list[Dataset]:
@@ -35,14 +40,12 @@ def read(path: Path) -> list[Dataset]:
     except UnicodeDecodeError:
         raise DigitiserError(f"{path.name}: is not UTF-8 text; export it again") from None
     datasets = _from_json(path.name, text) if path.suffix == ".json" else _from_csv(path, text)
-    datasets = [d for d in datasets if len(d.points)]
+    datasets = [d for d in datasets if len(d.points) or d.problem]
     if not datasets:
         raise DigitiserError(f"{path.name}: holds no points; digitise a curve before exporting")
     names = [d.name for d in datasets]
-    for name in names:
-        if names.count(name) > 1:
-            raise DigitiserError(f"{path.name}: dataset {name!r} occurs twice; rename one in WebPlotDigitizer")
-    return datasets
+    twice = f"{path.name}: dataset {{!r}} occurs twice; rename one in WebPlotDigitizer"
+    return [replace(d, problem=twice.format(d.name)) if names.count(d.name) > 1 else d for d in datasets]
 
 
 # ------------------------------------------------------------------ CSV
@@ -50,8 +53,16 @@ def read(path: Path) -> list[Dataset]:
 
 def _from_csv(path: Path, text: str) -> list[Dataset]:
     rows, decimal_comma = _rows(text)
-    if rows and not _number(rows[0][1][0], decimal_comma):
+    if len(rows) > 1 and _axes_names(rows[1][1]):
         return _side_by_side(path.name, rows, decimal_comma)
+    if rows and _axes_names(rows[0][1]) and len(rows[0][1]) == 2:
+        rows = rows[1:]  # x, y as a heading
+    elif rows and not _number(rows[0][1][0], decimal_comma):
+        line = rows[min(1, len(rows) - 1)][0]
+        raise DigitiserError(
+            f"{path.name}: line {line} is neither x, y nor X,Y for each name above; export one dataset, "
+            "or all by 'Export All Data', from axes of the kind 2D (X-Y) Plot"
+        )
     points = []
     for line, cells in rows:
         if len(cells) != 2:
@@ -73,15 +84,18 @@ def _rows(text: str) -> tuple[list[tuple[int, list[str]]], bool]:
 
 
 def _side_by_side(file: str, rows, decimal_comma: bool) -> list[Dataset]:
-    """Two header rows (names, then X,Y for each) and columns of unequal length."""
+    """Two header rows (names, then X,Y for each) and columns of unequal length.
+
+    A name stands over its X column, or over both. It may look like a number (`0.6`, `inf`).
+    """
     line, names = rows[0]
-    axes = [c.upper() for c in rows[1][1]] if len(rows) > 1 else []
-    if not axes or axes != ["X", "Y"] * (len(axes) // 2) or len(names) > len(axes) or any(names[1::2]):
-        raise DigitiserError(
-            f"{file}: line {line + 1} is not X,Y for each dataset; use axes of the kind 2D (X-Y) Plot "
-            "and names without commas"
-        )
+    axes = rows[1][1]
     names = names + [""] * (len(axes) - len(names))
+    if len(names) > len(axes) or any(y not in ("", x) for x, y in zip(names[::2], names[1::2], strict=True)):
+        raise DigitiserError(
+            f"{file}: line {line} does not have one name over each X,Y of line {line + 1}; rename the datasets in "
+            "WebPlotDigitizer to names without commas"
+        )
     datasets = []
     for column in range(0, len(axes), 2):
         if not names[column]:
@@ -93,6 +107,11 @@ def _side_by_side(file: str, rows, decimal_comma: bool) -> list[Dataset]:
                 points.append(_pair(file, line, pair, decimal_comma))
         datasets.append(Dataset(names[column], np.array(points)))
     return datasets
+
+
+def _axes_names(cells: list[str]) -> bool:
+    """X, Y for each of some datasets."""
+    return len(cells) >= 2 and [c.upper() for c in cells] == ["X", "Y"] * (len(cells) // 2)
 
 
 def _number(cell: str, decimal_comma: bool) -> bool:
@@ -126,12 +145,12 @@ def _from_json(file: str, text: str) -> list[Dataset]:
     try:
         if "wpd" in project:
             old = project["wpd"]
-            axes = {None: (old["axesType"], old["calibration"])}
+            axes = {None: (old["axesType"], old["calibration"], old.get("axesParameters", {}))}
             series = [(d["name"], None, d["data"]) for d in old["dataSeries"]]
         else:
-            axes = {a["name"]: (a["type"], a.get("calibrationPoints", [])) for a in project["axesColl"]}
+            axes = {a["name"]: (a["type"], a.get("calibrationPoints", []), a) for a in project["axesColl"]}
             series = [(d["name"], d["axesName"], d["data"]) for d in project["datasetColl"]]
-        return [_series(file, name, *axes[axis], data) for name, axis, data in series if data]
+        return [_series(file, str(name), *axes[axis], data) for name, axis, data in series if data]
     except (KeyError, TypeError, AttributeError) as error:
         raise DigitiserError(
             f"{file}: is not a WebPlotDigitizer project ({type(error).__name__} {error}); give the "
@@ -139,19 +158,23 @@ def _from_json(file: str, text: str) -> list[Dataset]:
         ) from None
 
 
-def _series(file: str, name: str, axes_type: str, calibration: list, data: list) -> Dataset:
+def _series(file: str, name: str, axes_type: str, calibration: list, parameters: dict, data: list) -> Dataset:
     if axes_type != "XYAxes":
-        raise DigitiserError(f"{file}: dataset {name!r} lies on axes of the kind {axes_type}; use 2D (X-Y) Plot")
+        problem = (
+            f"{file}: dataset {name!r} lies on axes of the kind {axes_type}; digitise it on axes of the kind "
+            "2D (X-Y) Plot"
+        )
+        return Dataset(name, np.empty((0, 2)), problem=problem)
     values = [point.get("value") for point in data]
     try:
         points = np.array(values, dtype=float)
     except (TypeError, ValueError):
         points = np.empty(0)
     if points.shape != (len(values), 2) or not np.isfinite(points).all():
-        raise DigitiserError(
-            f"{file}: dataset {name!r} has points without calibrated values; calibrate the axes, then save"
-        )
-    return Dataset(name, points, _calibration(calibration))
+        problem = f"{file}: dataset {name!r} has points without calibrated values; calibrate the axes, then save"
+        return Dataset(name, np.empty((0, 2)), problem=problem)
+    logarithmic = tuple(str(parameters.get(key, False)).lower() == "true" for key in ("isLogX", "isLogY"))
+    return Dataset(name, points, _calibration(calibration), logarithmic)
 
 
 def _calibration(points: list):
