@@ -91,7 +91,7 @@ def write_run(
             _write_contacts(folder / "raw" / f"contacts_cycle_{cycle:06d}.csv", bed, generator)
         _write_contacts(folder / "raw" / "contacts_preloaded.csv", bed, generator)
     _write_stages(folder, bed, porosity)
-    (folder / "run.json").write_text(json.dumps(_info(s, code, cycles, seed, state, len(bed)) | (info or {}), indent=1))
+    (folder / "run.json").write_text(json.dumps(run_record(s, code, cycles, seed, state, len(bed), info), indent=1))
     return folder
 
 
@@ -216,8 +216,19 @@ def _write_contacts(path, bed, generator, count=2000) -> None:
     table[list(file_columns.CONTACTS)].to_csv(path, index=False)
 
 
-def _info(s, code, cycles, seed, state, clumps) -> dict:
-    grid = derived.time_grid(s)
+def run_record(s, code, cycles, seed=1, state="finished", clumps=380, changes=None) -> dict:
+    """The content of run.json; `changes` replaces entries, those of its timing too."""
+    steps, changes = cycles * derived.time_grid(s).steps_per_cycle, dict(changes or {})
+    timing = {
+        "start": "2026-01-01T00:00:00+00:00",
+        "end": "2026-01-01T01:00:00+00:00",
+        "steps_per_second": {"cyclic": 350.0},
+        "wall_s": {"cyclic": 3600.0},
+        "pid": 1,
+        "host": "nowhere",
+        "heartbeat": "2026-01-01T01:00:00+00:00",
+    }
+    timing |= {key: changes.pop(key) for key in timing if key in changes}
     return {
         "scenario": s.name,
         "variant": "+".join(s.variants),
@@ -231,21 +242,17 @@ def _info(s, code, cycles, seed, state, clumps) -> dict:
         "bed": "own",
         "git_commit": "0" * 40,
         "git_dirty": False,
-        "host": "nowhere",
         "ranks": 1,
         "threads": 1,
-        "start": "2026-01-01T00:00:00Z",
-        "end": "2026-01-01T01:00:00Z",
         "state": state,
         "reason": "",
         "stage": "cyclic",
-        "steps": cycles * grid.steps_per_cycle,
-        "steps_per_second": {"cyclic": 350.0},
+        "steps": {"cyclic": steps},
         "clumps": clumps,
         "deviations": [],
         "resumes": [],
-        "heartbeat": "2026-01-01T01:00:00Z",
-        "pid": 1,
+        **changes,
+        "timing": timing,
     }
 
 

@@ -322,7 +322,7 @@ def test_growing_file_is_read_in_pieces(tmp_path):
     [
         ("cyclic.csv", "sleeper_error_ms_Pa2", "error", "raw/cyclic.csv: column sleeper_error_ms_Pa2"),
         ("state.csv", "sliding_share", "slide", "raw/state.csv: column sliding_share"),
-        ("bed_preloaded.csv", "qw", "q0", "raw/bed_preloaded.csv: column qw"),
+        ("bed_preloaded.csv", "qw", "q0", "raw/bed_preloaded.csv: line 1 is not id,x_m"),
         ("bed_cycle_000001.csv", "0.0185", "nan", "raw/bed_cycle_000001.csv"),
         ("cyclic.csv", "10009.999999999998", "nan", "no number"),
         ("contacts_cycle_000001.csv", "overlap_m", "gap", "raw/contacts_cycle_000001.csv: column overlap_m"),

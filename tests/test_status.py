@@ -1,11 +1,13 @@
 """The table of all runs."""
 
+import pytest
 from bare_run import write_run
 from driver import run_folder
 
 from analysis.__main__ import main as ballast
 from analysis.driver import status
 from analysis.driver.locks import hold
+from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -46,12 +48,27 @@ def test_a_failure_shows_why(tmp_path, capsys):
     assert "5/5" in second and second.endswith("finished")
 
 
-def test_a_run_json_that_cannot_be_read_does_not_hide_the_others(tmp_path, capsys):
+@pytest.mark.parametrize(
+    "name, content, said",
+    [
+        ("run.json", "{", "run.json: is damaged"),
+        ("run.json", "[]", "run.json: is damaged (it holds no table)"),
+        ("run.json", '{"state": "finished"}', "run.json: timing = null is refused"),
+        ("scenario.json", "[]", "scenario.json: is damaged (it holds no table)"),
+        ("scenario.json", '{"name": "linear', "scenario.json: is damaged"),
+        ("cycles.csv", "\ufeffcycle\n", "cycles.csv: line 1 holds bytes that are no text"),
+        ("cycles.csv", "cycle;time_s\n1;2\n", "cycles.csv: line 1: column cycle is missing"),
+        ("cycles.csv", ",".join(file_columns.CYCLES) + "\n1,garbage\n", "cycles.csv: line 2 has 2 values"),
+        ("cycles.csv", ",".join(file_columns.CYCLES) + "\n1" + "," * 15 + "\n", 'cycles.csv: line 2: time_s = ""'),
+    ],
+)
+def test_a_damaged_file_does_not_hide_the_other_runs(tmp_path, capsys, name, content, said):
     make(tmp_path, "yade", "finished")
-    (make(tmp_path, "liggghts", "finished") / "run.json").write_text("{")
+    (make(tmp_path, "liggghts", "finished") / name).write_text(content)
     assert ballast(["status", "--results", str(tmp_path)]) == 0
-    out = capsys.readouterr().out
-    assert "yade" in out and "run.json: is damaged" in out
+    _, damaged, good = capsys.readouterr().out.splitlines()
+    assert "damaged" in damaged and said in damaged
+    assert "yade" in good and "2/5" in good and "finished" in good
 
 
 def test_without_runs_it_says_how_to_make_some(tmp_path, capsys):

@@ -9,8 +9,7 @@ from analysis.driver.supervise import RunError
 from analysis.files import write_aside
 from analysis.formats import bed_file
 from analysis.formats.errors import InputError
-from analysis.scenarios import derived
-from analysis.scenarios.scenario import Scenario
+from analysis.scenarios.scenario import Scenario, ScenarioError
 
 BED_KEYS = ("geometry.", "clump.")  # a packed bed serves any scenario that has the same of these
 
@@ -20,25 +19,19 @@ def take(path: Path, settings: RunSettings) -> int:
 
     Returns its number of clumps. Raises RunError, naming file, line and remedy, for a bed that does not fit.
     """
+    from analysis.normalised.beds import check_fits  # here: its libraries take a second to load
+
     try:
-        poses = bed_file.read(path)
+        clumps, text = check_fits(path, settings.scenario), bed_file.text(path)
     except InputError as error:
         raise RunError(f"{path.parent}/{error}") from None
-    box = derived.apparatus(settings.scenario)
-    size = (box.length_m, box.width_m, box.height_m)
-    for pose in poses:
-        if not all(0 <= value <= top for value, top in zip(pose.row[1:4], size, strict=True)):
-            raise RunError(
-                f"{path}: line {pose.line} lies outside the box of {size[0]:g} x {size[1]:g} x {size[2]:g} m; "
-                "take a bed of the same profile and geometry"
-            )
     made_with = path.parent.parent / "scenario.json"
     if made_with.exists():
         try:
-            changes = Scenario.from_json(made_with.read_text()).changes(settings.scenario)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            raise RunError(f"{made_with}: cannot be read; restore it, or move the bed file elsewhere") from None
+            changes = Scenario.read(made_with).changes(settings.scenario)
+        except ScenarioError as error:
+            raise RunError(f"{made_with.parent}/{error}; or move the bed file elsewhere") from None
         if changes := [line for line in changes if line.startswith(BED_KEYS)]:
             raise RunError(f"{path}: does not fit: {'; '.join(changes)}; take a bed with the same geometry and clump")
-    write_aside(settings.folder / "raw" / "bed_packed.csv", bed_file.text(path))
-    return len(poses)
+    write_aside(settings.folder / "raw" / "bed_packed.csv", text)
+    return clumps

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.files import sync, write_aside
+from analysis.formats import json_file
+from analysis.formats.errors import InputError
 from analysis.scenarios.derived import TimeGrid
 
 KEEP = 2  # besides the one that preload ends with, so that one can be damaged
@@ -44,8 +46,8 @@ class Checkpoint:
     def is_good(self) -> bool:
         """True where content and checksum agree."""
         try:
-            return json.loads(self.sidecar.read_text())["sha256"] == _sha256(self.path)
-        except (OSError, ValueError, KeyError, TypeError):
+            return json_file.read(self.sidecar).get("sha256") == _sha256(self.path)
+        except (OSError, InputError):
             return False
 
     def certify(self, grid: TimeGrid, *outputs: Path) -> None:

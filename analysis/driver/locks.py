@@ -16,6 +16,9 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from analysis.formats import json_file
+from analysis.formats.errors import InputError
+
 PATIENCE_S = 1.0  # `is_held` holds a lock for a moment: long enough not to be mistaken for a run
 RENEW_S = 10.0
 STALE_S = 60.0
@@ -90,10 +93,10 @@ def is_held(path: Path) -> bool:
 def holder(path: Path) -> dict[str, int | str]:
     """`pid` and `host` of whoever holds, or held, the lock file; {} where it does not say."""
     try:
-        body = json.loads(path.read_text())
-    except (OSError, ValueError):
+        body = json_file.read(path)
+    except (OSError, InputError):
         return {}
-    return body if isinstance(body, dict) else {}
+    return body if {"pid", "host"} <= set(body) else {}
 
 
 def _try(file, kind: int = fcntl.LOCK_EX) -> bool:

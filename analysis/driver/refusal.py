@@ -12,7 +12,7 @@ from analysis.driver.record import stored_record
 from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import RunError
 from analysis.files import ROOT
-from analysis.scenarios.scenario import Scenario
+from analysis.scenarios.scenario import Scenario, ScenarioError
 
 START_OVER = "give another SEED or RESULTS, move the folder away, or delete it with `make distclean-run`"
 REDO = "restore what is missing, or give REDO=yes to compute them again"
@@ -21,12 +21,12 @@ REDO = "restore what is missing, or give REDO=yes to compute them again"
 def stored_scenario(settings: RunSettings) -> Scenario | None:
     """The scenario that the folder's results were made with; None without one. RunError where it cannot be read."""
     path = settings.folder / "scenario.json"
-    try:
-        return Scenario.from_json(path.read_text())
-    except FileNotFoundError:
+    if not path.exists():
         return None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise RunError(f"{path}: cannot be read; restore it; else {START_OVER}") from None
+    try:
+        return Scenario.read(path)
+    except ScenarioError as error:
+        raise RunError(f"{settings.folder}/{error}; else {START_OVER}") from None
 
 
 def refuse_place(settings: RunSettings, engine: Engine) -> None:
@@ -40,7 +40,7 @@ def refuse_step(settings: RunSettings) -> None:
     from analysis.normalised.critical_step import LARGEST_SHARE  # here: their libraries take a second to load
     from analysis.normalised.stages import read_stages
 
-    preload = read_stages(settings.folder, lambda problem: None).get("preload", {})
+    preload = read_stages(settings.folder).get("preload", {})
     if (share := preload.get("step_share", 0.0)) > LARGEST_SHARE:
         raise RunError(
             f"the step is {share:.2f} of the critical one of this bed, {preload['critical_step_s']:.3g} s; at most "

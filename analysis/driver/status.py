@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,9 +13,8 @@ from analysis.driver.locks import is_held
 from analysis.driver.progress import duration
 from analysis.driver.record import stored_record
 from analysis.driver.settings import RESULTS
-from analysis.formats import run_record
-from analysis.formats.errors import InputError
-from analysis.formats.errors import reason as reason_of
+from analysis.formats import file_columns, run_record, table_file
+from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
 from analysis.scenarios import derived, study
 from analysis.scenarios.scenario import Scenario
@@ -57,16 +55,15 @@ def row(folder: Path) -> dict[str, str]:
     """One line of the table, by column; of a run that cannot be read, what its folder says and the reason."""
     try:
         return _row(folder)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (InputError, OSError) as error:
         names = dict(zip(COLUMNS, folder.parts[-3:], strict=False))
-        what = str(error) if isinstance(error, InputError) else f"cannot be read ({reason_of(error)})"
-        return dict.fromkeys(COLUMNS, "") | names | {"reason": what}
+        return dict.fromkeys(COLUMNS, "") | names | {"state": "damaged", "reason": one_line(error)}
 
 
 def _row(folder: Path) -> dict[str, str]:
     body = RunRecord.read(folder)
     state, reason = state_of(folder, body.state, body.reason)
-    scenario = Scenario.from_json((folder / "scenario.json").read_text())
+    scenario = Scenario.read(folder / "scenario.json")
     reason = "; ".join(filter(None, (reason, load_not_reached(folder, scenario))))
     total, done, stage = scenario["loading.cycles"], cycles_done(folder), body.stage
     speed = body.timing.steps_per_second.get(stage)
@@ -91,12 +88,14 @@ def _row(folder: Path) -> dict[str, str]:
 
 def _tracking(folder: Path, scenario: Scenario) -> str:
     """Tracking error of the worst cycle so far, rms in per cent of the largest stress, as in the report."""
-    try:
-        with open(folder / "cycles.csv", newline="") as file:
-            worst = max((float(row["tracking_rms_Pa"]) for row in csv.DictReader(file)), default=None)
-    except FileNotFoundError:
-        return ""
-    return "" if worst is None else f"{100 * worst / scenario['loading.stress_max']:.2f}"
+    errors = _cycles(folder).get("tracking_rms_Pa")
+    return f"{100 * max(errors) / scenario['loading.stress_max']:.2f}" if errors else ""
+
+
+def _cycles(folder: Path) -> dict[str, list[float]]:
+    """The columns of cycles.csv; {} without the file."""
+    path = folder / "cycles.csv"
+    return table_file.read(path, file_columns.CYCLES) if path.exists() else {}
 
 
 def load_not_reached(folder: Path, scenario: Scenario) -> str:
@@ -104,18 +103,16 @@ def load_not_reached(folder: Path, scenario: Scenario) -> str:
 
     A result under PFC's servo, which is too slow for a soft bed; under the true load a sign that something is wrong.
     """
-    try:
-        with open(folder / "cycles.csv", newline="") as file:
-            *_, last = csv.DictReader(file)
-        low, high = (float(last[f"sleeper_stress_{end}_Pa"]) for end in ("min", "max"))
-    except (FileNotFoundError, ValueError, KeyError):
+    table = _cycles(folder)
+    if not table.get("cycle"):
         return ""
+    low, high = (table[f"sleeper_stress_{end}_Pa"][-1] for end in ("min", "max"))
     least, most = scenario["loading.stress_min"], scenario["loading.stress_max"]
     if high >= PEAK_REACHED * most:
         return ""
     return (
         f"load not reached: {low / 1e3:.0f} to {high / 1e3:.0f} instead of {least / 1e3:.0f} to {most / 1e3:.0f} kPa "
-        f"in cycle {last['cycle']}"
+        f"in cycle {table['cycle'][-1]:.0f}"
     )
 
 

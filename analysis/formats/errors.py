@@ -11,7 +11,7 @@ LONGEST_VALUE = 80
 class InputError(ValueError):
     """Input that cannot be used. `str(error)` is one line: file, key, value and what is allowed.
 
-    file     name or path of the file, as the user knows it
+    file     name or path of the file, as the user knows it; alone, it is the whole line
     key      place in the file: a dotted key, `line 7`, or empty where the whole file is meant
     value    what stands there; `...` (Ellipsis) leaves it out
     allowed  what may stand there, or what to do
@@ -22,6 +22,8 @@ class InputError(ValueError):
         super().__init__(self._line())
 
     def _line(self) -> str:
+        if not self.key and not self.allowed and self.value is ...:
+            return one_line(self.file)  # a text of its own
         place = f"{self.file}: {self.key}" if self.key else self.file
         if self.value is ...:
             return one_line(f"{place}{' ' if self.key else ': '}{self.allowed}")

@@ -9,9 +9,13 @@ from pathlib import Path
 from analysis.formats.errors import InputError, reason
 
 LARGEST_BYTES = 64_000_000
+LONGEST_WHOLE = 300
+"""Digits of a whole number: more is no double."""
+REMEDY = "restore the file or move it away"
+NAMES = {dict: "table", list: "list"}
 
 
-def read(path: Path, kind: type = dict, remedy: str = "restore the file or move it away"):
+def read(path: Path, kind: type = dict, remedy: str = REMEDY):
     """Content of a JSON file, which must be of `kind`; FileNotFoundError without it, InputError where it is damaged.
 
     Numbers that are no finite double (NaN, 10^400) are refused, too.
@@ -20,19 +24,23 @@ def read(path: Path, kind: type = dict, remedy: str = "restore the file or move 
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise InputError(path.name, allowed=f"is larger than {LARGEST_BYTES} bytes; {remedy}")
-        content = json.loads(path.read_bytes().decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
+        content = path.read_bytes()
     except FileNotFoundError:
-        raise
-    except InputError:
         raise
     except OSError as error:
         raise InputError(path.name, allowed=f"cannot be read ({reason(error)}); {remedy}") from None
+    return parse(path.name, content, kind, remedy)
+
+
+def parse(file: str, content: bytes, kind: type = dict, remedy: str = REMEDY):
+    """The same of the content of `file`."""
+    try:
+        body = json.loads(content.decode("utf-8"), parse_constant=_refuse, parse_float=_finite, parse_int=_whole)
     except (ValueError, RecursionError) as error:
-        raise InputError(path.name, allowed=f"is damaged ({reason(error)}); {remedy}") from None
-    if not isinstance(content, kind):
-        expected = {dict: "a table", list: "a list"}[kind]
-        raise InputError(path.name, allowed=f"is damaged (it holds no {expected[2:]}); {remedy}")
-    return content
+        raise InputError(file, allowed=f"is damaged ({reason(error)}); {remedy}") from None
+    if not isinstance(body, kind):
+        raise InputError(file, allowed=f"is damaged (it holds no {NAMES[kind]}); {remedy}")
+    return body
 
 
 def _refuse(text: str) -> float:
@@ -44,3 +52,9 @@ def _finite(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text[:20]} is too large")
     return value
+
+
+def _whole(text: str) -> int:
+    if len(text) > LONGEST_WHOLE:
+        raise ValueError(f"{text[:20]}... is too large")
+    return int(text)

@@ -5,6 +5,7 @@ The last line counts only with its newline: without it, it was torn by a kill an
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,14 +15,15 @@ from analysis.formats.quantities import QUANTITIES
 REMEDY = "restore the file, or move the run away and run it again"
 
 
-def read(path: Path, columns: Sequence[str], whole: bool = True) -> dict[str, list[float]]:
+def read(path: Path, columns: Sequence[str], whole: bool | None = True) -> dict[str, list[float]]:
     """The columns of a table as lists of floats, nan where a cell is empty that may be; further columns are ignored.
 
-    whole   column `cycle` holds whole numbers, each one more than the one before
+    whole   column `cycle` holds whole numbers, each one more than the one before; False: rising ones; None: there is
+            no such column
     Raises InputError for a file that cannot be read, lacks a column, or has a line or a value that cannot be.
     """
     path = Path(path)
-    header, lines, torn = _lines(path)
+    header, lines = _lines(path)
     for name in columns:
         if header.count(name) != 1:
             what = f"column {name} is missing" if name not in header else f"column {name} is there twice"
@@ -36,13 +38,20 @@ def read(path: Path, columns: Sequence[str], whole: bool = True) -> dict[str, li
             )
         for name, place in zip(columns, places, strict=True):
             table[name].append(_value(path, number, name, cells[place]))
-    _check_order(path, table["cycle"], whole)
+    if whole is not None:
+        _check_order(path, table["cycle"], whole)
     return table
 
 
 def is_torn(path: Path) -> bool:
-    """True where the last line has no newline, so that it does not count."""
-    return _lines(Path(path))[2]
+    """True where the last line has no newline, so that it does not count; InputError where it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - 1))
+            return size > 0 and file.read(1) != b"\n"
+    except OSError as error:
+        raise InputError(Path(path).name, allowed=f"cannot be read ({reason(error)}); {REMEDY}") from None
 
 
 def last_cycle(path: Path, columns: Sequence[str]) -> int:
@@ -56,8 +65,8 @@ def last_cycle(path: Path, columns: Sequence[str]) -> int:
     return int(cycles[-1]) if cycles else 0
 
 
-def _lines(path: Path) -> tuple[list[str], list[str], bool]:
-    """Header, complete lines, and whether an incomplete one followed."""
+def _lines(path: Path) -> tuple[list[str], list[str]]:
+    """Header and complete lines."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -67,10 +76,10 @@ def _lines(path: Path) -> tuple[list[str], list[str], bool]:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError(path.name, f"line {line}", allowed=f"holds bytes that are no text; {REMEDY}") from None
-    *lines, rest = text.split("\n")
+    *lines, _ = text.split("\n")
     if not lines:
         raise InputError(path.name, allowed=f"is empty; {REMEDY}")
-    return lines[0].split(","), lines[1:], bool(rest)
+    return lines[0].split(","), lines[1:]
 
 
 def _value(path: Path, number: int, name: str, cell: str) -> float:

@@ -28,14 +28,18 @@ class Key(Protocol):
 
 def read(path: Path, kind: str = "TOML file") -> dict:
     """Content of a TOML file; InputError where it is unreadable, not TOML, or nested deeper than anybody would."""
+    return parse(Path(path).name, content(path, kind))
+
+
+def content(path: Path, kind: str = "TOML file") -> bytes:
+    """The bytes of a TOML file; InputError where they cannot be read."""
     path = Path(path)
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise InputError(path.name, allowed=f"is larger than {LARGEST_BYTES} bytes; give a {kind}")
-        content = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         raise InputError(path.name, allowed=f"cannot be read ({reason(error)}); give the path of a {kind}") from None
-    return parse(path.name, content)
 
 
 def parse(file: str, content: bytes) -> dict:

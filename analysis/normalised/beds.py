@@ -1,4 +1,4 @@
-"""Beds: clump poses from the common bed file, and the spheres they stand for."""
+"""Beds: clump poses from the common bed file, the spheres they stand for, and whether a bed fits an apparatus."""
 
 from __future__ import annotations
 
@@ -6,34 +6,76 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.spatial import cKDTree
 
-from analysis.formats import file_columns
+from analysis.formats import bed_file, file_columns
+from analysis.formats.errors import InputError
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
+
+DEEPEST_OVERLAP = 0.5
+"""Of the spheres' radius. Packed beds have 0.02, the hardest loaded 0.1; deeper is two clumps in one place."""
 
 
 def read_bed(path: Path) -> pd.DataFrame:
     """The bed file as a table (columns `file_columns.BED`) in the order of the clump ids.
 
-    Raises ValueError with one line where it is not a bed.
+    Raises InputError with one line where it is not a bed.
     """
-    path = Path(path)
-    try:
-        bed = pd.read_csv(path)
-    except (OSError, ValueError) as error:
-        raise ValueError(
-            f"{path.name}: cannot be read as a bed ({error}); give a CSV with {','.join(file_columns.BED)}"
-        ) from None
-    missing = [c for c in file_columns.BED if c not in bed]
-    if missing:
-        raise ValueError(f"{path.name}: column {missing[0]} is missing; a bed has {','.join(file_columns.BED)}")
-    numbers = bed[list(file_columns.BED)].apply(pd.to_numeric, errors="coerce").to_numpy()
-    if len(bed) == 0 or not np.isfinite(numbers).all():
-        bad = (
-            "no clumps"
-            if len(bed) == 0
-            else f"a value that is no number for clump {bed['id'][~np.isfinite(numbers).all(axis=1)].iloc[0]}"
+    bed = pd.DataFrame([pose.row for pose in bed_file.read(path)], columns=list(file_columns.BED))
+    return bed.sort_values("id", ignore_index=True)
+
+
+def check_fits(path: Path, scenario: Scenario) -> int:
+    """Number of clumps of a bed file that a run of `scenario` can start from.
+
+    Raises InputError, naming the line, for a file that is no bed, a clump whose centre is outside the box or inside the
+    sleeper, and two clumps that overlap deeper than DEEPEST_OVERLAP.
+    """
+    poses = bed_file.read(path)
+    name, box, clump = Path(path).name, derived.apparatus(scenario), derived.clump(scenario)
+    where = np.array([pose[1:4] for pose in poses])
+    size = np.array([box.length_m, box.width_m, box.height_m])
+    outside = np.flatnonzero(((where < 0) | (where > size)).any(axis=1))
+    if len(outside):
+        raise InputError(
+            name,
+            f"line {poses[outside[0]].line}",
+            allowed=f"lies outside the box of {' x '.join(f'{v:g}' for v in size)} m; take a bed of the same profile "
+            "and geometry",
         )
-        raise ValueError(f"{path.name}: {bad}; give a bed with a finite pose for every clump")
-    return bed[list(file_columns.BED)].sort_values("id", ignore_index=True)
+    inside = np.flatnonzero(((where > box.sleeper.low) & (where < box.sleeper.high)).all(axis=1))
+    if len(inside):
+        raise InputError(
+            name, f"line {poses[inside[0]].line}", allowed="lies inside the sleeper; take a bed of the same geometry"
+        )
+    bed = pd.DataFrame([pose.row for pose in poses], columns=list(file_columns.BED))
+    pair = _deep_pair(where, sphere_centres(bed, clump.half_distance_m), (2 - DEEPEST_OVERLAP) * clump.radius_m)
+    if pair:
+        first, second = (poses[k].line for k in pair)
+        raise InputError(
+            name,
+            f"line {second}",
+            allowed=f"overlaps the clump of line {first} by more than {DEEPEST_OVERLAP:g} of the radius "
+            f"{clump.radius_m:.4g} m; take a bed of the same clump, packed and at rest",
+        )
+    return len(poses)
+
+
+def _deep_pair(where: np.ndarray, centres: np.ndarray, reach: float) -> tuple[int, int] | None:
+    """Two clumps with spheres nearer than `reach`, m, or in one and the same place; None without."""
+    _, first, inverse = np.unique(where, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[inverse.ravel()] != np.arange(len(where)))
+    if len(again):
+        return int(first[inverse.ravel()][again[0]]), int(again[0])
+    near, found = cKDTree(centres).query(centres, k=3, distance_upper_bound=reach)  # itself, its twin, and another
+    other = (found // 2 != np.arange(len(centres))[:, None] // 2) & np.isfinite(near)
+    spheres = np.flatnonzero(other.any(axis=1))
+    if not len(spheres):
+        return None
+    sphere = spheres[0]
+    one, two = sorted((int(sphere // 2), int(found[sphere][other[sphere]][0] // 2)))
+    return one, two
 
 
 def positions(bed: pd.DataFrame) -> np.ndarray:

@@ -33,6 +33,7 @@ from scipy.spatial import cKDTree
 
 from analysis.formats import file_columns
 from analysis.normalised import beds
+from analysis.normalised.frames import read_table
 from analysis.scenarios import derived
 
 
@@ -157,18 +158,8 @@ def sliding_share(contacts: pd.DataFrame) -> float:
 
 
 def read_contacts(path: Path) -> pd.DataFrame:
-    """A contact file as a table; raises ValueError with one line where it is not one."""
-    path = Path(path)
-    try:
-        contacts = pd.read_csv(path)
-    except (OSError, ValueError) as error:
-        raise ValueError(f"{path.name}: cannot be read as contacts ({error})") from None
-    missing = [c for c in file_columns.CONTACTS if c not in contacts]
-    if missing:
-        raise ValueError(
-            f"{path.name}: column {missing[0]} is missing; contacts have {','.join(file_columns.CONTACTS)}"
-        )
-    return contacts
+    """A contact file as a table; InputError, one line, where it is not one."""
+    return read_table(Path(path), file_columns.CONTACTS, None)
 
 
 def _mean(values: np.ndarray) -> float:

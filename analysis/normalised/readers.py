@@ -1,63 +1,30 @@
-"""Runs as tidy data frames, whatever state their files are in.
+"""Runs as tidy data frames.
 
-A damaged file costs what is damaged and one clear line per kind of damage; everything else stays usable. Nothing is
-guessed: a value that cannot be physics, or cannot be read, is nan; a row that cannot be placed is dropped.
+A damaged file is refused in one line, and nothing of it is used; the other files and the other runs stay usable. A run
+whose run.json cannot be read is left out: what it was is not guessed.
 """
 
 from __future__ import annotations
 
-import bisect
-import csv
-import io
-import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from analysis.formats import file_columns
-from analysis.formats.quantities import QUANTITIES
+from analysis.formats import file_columns, table_file
+from analysis.formats.errors import InputError, one_line
+from analysis.formats.run_record import RunRecord
 from analysis.normalised import beds, microstructure, stages
+from analysis.normalised.frames import empty_table, read_table
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
 from analysis.scenarios.schema import KEYS
 
 IDENTITY = ("profile", "scenario", "code", "seed")
 CALIBRATION = "calibration"
 """Folder of the beds that `make calibrate` tries."""
-
-_INFO_TYPES = {
-    "scenario": str,
-    "variant": str,
-    "profile": str,
-    "code": str,
-    "scenario_hash": str,
-    "title": str,
-    "versions": dict,
-    "command": str,
-    "seed": int,
-    "bed": str,
-    "git_commit": str,
-    "git_dirty": (bool, type(None)),
-    "host": str,
-    "ranks": int,
-    "threads": int,
-    "start": str,
-    "end": (str, type(None)),
-    "state": str,
-    "reason": str,
-    "stage": str,
-    "steps": (int, dict),
-    "steps_per_second": dict,
-    "clumps": (int, type(None)),
-    "deviations": list,
-    "resumes": list,
-    "heartbeat": (str, type(None)),
-    "pid": (int, type(None)),
-}
 
 
 def load_runs(
@@ -88,9 +55,15 @@ def load_runs(
     >>> run.history[["cycle", "sleeper_stress_Pa"]].max().tolist()
     [20.0, 460000.0]
     """
-    found, others = [], set()
+    found, refused, others = [], [], set()
     for folder in _run_folders(Path(results_dir)):
-        run = Run(folder, Path(results_dir), quiet)
+        try:
+            run = Run(folder, Path(results_dir), quiet)
+        except InputError as error:
+            refused.append(f"{_id(folder, Path(results_dir))}/{error}; the run is left out")
+            if not quiet:
+                print(f"warning: {refused[-1]}", file=sys.stderr)
+            continue
         others.add((run.profile, run.scenario_name, run.code))
         if profile in (None, run.profile) and scenario in (None, run.scenario_name) and code in (None, run.code):
             run.read()
@@ -101,7 +74,7 @@ def load_runs(
             f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}",
             file=sys.stderr,
         )
-    return Runs(found)
+    return Runs(found, refused)
 
 
 def _run_folders(results_dir: Path) -> list[Path]:
@@ -120,21 +93,21 @@ def _run_folders(results_dir: Path) -> list[Path]:
 class Run:
     """One run: `.cycles`, `.history`, `.microstructure` (data frames), `.info` (run.json), `.scenario`, `.problems`.
 
-    Frames always have all columns of `analysis.formats.file_columns`; what a file lacks is nan.
+    Frames always have all columns of `analysis.formats.file_columns`; of a damaged file they have no rows.
     """
 
     def __init__(self, folder: Path, results_dir: Path | None = None, quiet: bool = False):
+        """InputError where run.json is missing or cannot be used."""
         self.folder, self.problems, self._quiet = Path(folder), [], quiet
-        self.id = str(Path(os.path.relpath(self.folder, results_dir or self.folder.parents[2]))).replace(os.sep, "/")
-        self.info = self._read_info()
-        parts = (["", "", ""] + self.id.split("/"))[-3:]
-        name, _, seed = parts[2].partition("-seed")
-        self.profile: str = self.info.get("profile") or parts[0]
-        self.scenario_name: str = join_id(
-            self.info.get("scenario") or parts[1], split_variants(self.info.get("variant", ""))
-        )
-        self.code: str = self.info["code"] if self.info.get("code") in file_columns.CODES else name
-        self.seed: int = self.info.get("seed", int(seed) if seed.isdigit() else 1)
+        self.id = _id(self.folder, results_dir or self.folder.parents[2])
+        try:
+            record = RunRecord.read(self.folder)
+        except FileNotFoundError:
+            raise InputError("run.json", allowed="is missing; copy the whole folder of the run") from None
+        body = record.to_dict()
+        self.info = body.pop("timing") | body
+        self.profile, self.code, self.seed = record.profile, record.code, record.seed
+        self.scenario_name: str = join_id(record.scenario, split_variants(record.variant))
 
     @property
     def base_name(self) -> str:
@@ -147,7 +120,7 @@ class Run:
         return split_id(self.scenario_name)[1]
 
     def __repr__(self) -> str:
-        return f"<Run {self.id}: {self.info.get('state', 'state unknown')}, {len(self.cycles)} cycles>"
+        return f"<Run {self.id}: {self.info['state']}, {len(self.cycles)} cycles>"
 
     @property
     def identity(self) -> dict[str, str | int]:
@@ -160,37 +133,42 @@ class Run:
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
-        """One row per finished cycle, see `analysis.normalised.file_columns.CYCLES`."""
+        """One row per finished cycle, see `analysis.formats.file_columns.CYCLES`."""
         return self._table("cycles.csv", file_columns.CYCLES, whole=True)
 
     @cached_property
     def history(self) -> pd.DataFrame:
-        """At least 40 rows per cycle, see `analysis.normalised.file_columns.HISTORY`; `cycle` is fractional."""
+        """At least 40 rows per cycle, see `analysis.formats.file_columns.HISTORY`; `cycle` is fractional."""
         return self._table("history.csv", file_columns.HISTORY, whole=False)
 
     @cached_property
     def microstructure(self) -> pd.DataFrame:
-        """One row per cycle, row 0 before loading, see `analysis.normalised.file_columns.MICROSTRUCTURE`."""
+        """One row per cycle, row 0 before loading, see `analysis.formats.file_columns.MICROSTRUCTURE`."""
         return self._table("microstructure.csv", file_columns.MICROSTRUCTURE, whole=True)
 
     @cached_property
     def stages(self) -> stages.Stages:
         """The bed after packing and after preload, see `analysis.normalised.stages`; {} without stages.json."""
-        return stages.read_stages(self.folder, lambda what: self._problem(stages.FILE, what))
+        try:
+            return stages.read_stages(self.folder)
+        except InputError as error:
+            self._problem(stages.FILE, f"{_after_name(error)}; nothing of it is used")
+            return {}
 
     @cached_property
     def scenario(self) -> Scenario | None:
-        """The parameters: those kept with the run, else today's scenario file; None where neither can be read."""
+        """The parameters kept with the run; today's scenario file where none were; None where they cannot be used."""
         path = self.folder / "scenario.json"
         if path.exists():
             try:
-                return self._completed(_checked(Scenario.from_json(path.read_text(encoding="utf-8"))))
-            except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError) as error:
-                self._problem("scenario.json", f"is damaged ({_one_line(error)}); the scenario file is used instead")
+                return self._completed(Scenario.read(path))
+            except ScenarioError as error:
+                self._problem("scenario.json", _after_name(error))
+                return None
         try:
             scenario = load_scenario(self.scenario_name, self.profile)
         except ScenarioError as error:
-            self._problem("scenario.json", f"is of no use, and {_one_line(error)}")
+            self._problem("scenario.json", f"is missing, and {error}")
             return None
         known = self.info.get("scenario_hash")
         if known and scenario.hash != known:
@@ -240,40 +218,17 @@ class Run:
             if not self._quiet:
                 print(f"warning: {line}", file=sys.stderr)
 
-    def _read_info(self) -> dict:
-        path = self.folder / "run.json"
-        try:
-            info = json.loads(path.read_bytes().decode("utf-8"))
-        except FileNotFoundError:
-            self._problem("run.json", "is missing; what the run was is taken from the folder's name")
-            return {}
-        except (OSError, ValueError, RecursionError) as error:
-            self._problem(
-                "run.json", f"is damaged ({_one_line(error)}); what the run was is taken from the folder's name"
-            )
-            return {}
-        if not isinstance(info, dict):
-            self._problem("run.json", "is no table; what the run was is taken from the folder's name")
-            return {}
-        if isinstance(info.get("timing"), dict):  # kept apart in the file, because it differs between equal runs
-            info = info.pop("timing") | info
-        wrong = [
-            key
-            for key, kind in _INFO_TYPES.items()
-            if key in info and (not isinstance(info[key], kind) or (kind is int and isinstance(info[key], bool)))
-        ]
-        if wrong:
-            self._problem("run.json", f"{', '.join(wrong)} of the wrong type: not used")
-        return {key: value for key, value in info.items() if key not in wrong}
-
     def _table(self, name: str, columns: Sequence[str], whole: bool) -> pd.DataFrame:
         path = self.folder / name
         if not path.exists() and (self.info.get("stage") in ("packing", "preload") or name == "history.csv"):
             return empty_table(columns)
-        frame, problems = read_table(path, columns, whole)
-        for what in problems:
-            self._problem(name, what)
-        return frame
+        try:
+            if table_file.is_torn(path):
+                self._problem(name, "ends in mid-line: that row does not count")
+            return read_table(path, columns, whole)
+        except InputError as error:
+            self._problem(name, f"{_after_name(error)}; nothing of it is used")
+            return empty_table(columns)
 
     def _optional(self, name: str, reader) -> pd.DataFrame | None:
         path = self.folder / name
@@ -282,23 +237,25 @@ class Run:
         try:
             return reader(path)
         except ValueError as error:
-            self._problem(name, _one_line(error).partition(": ")[2])
+            self._problem(name, _after_name(error))
             return None
 
 
 class Runs(list):
     """A list of runs with tidy frames over all of them: profile, scenario, code and seed come first in every row."""
 
-    def __init__(self, runs: Iterable[Run] = ()):
+    def __init__(self, runs: Iterable[Run] = (), refused: Sequence[str] = ()):
+        """`refused` holds a line for each run that was left out."""
         super().__init__(runs)
+        self.refused = list(refused)
 
     def __repr__(self) -> str:
         return f"<{len(self)} runs: {', '.join(run.id for run in self)}>" if self else "<no runs>"
 
     @property
     def problems(self) -> list[str]:
-        """The problems of all runs, one line each."""
-        return [line for run in self for line in run.problems]
+        """The problems of all runs, and of those left out, one line each."""
+        return self.refused + [line for run in self for line in run.problems]
 
     @property
     def cycles(self) -> pd.DataFrame:
@@ -325,186 +282,11 @@ class Runs(list):
         return pd.concat(frames, ignore_index=True) if frames else empty_table([*IDENTITY, *columns])
 
 
-# ---------------------------------------------------------------------- tables
+def _id(folder: Path, results_dir: Path) -> str:
+    """The run's place below the results: demo/linear-mu0.8/yade."""
+    return str(Path(os.path.relpath(folder, results_dir))).replace(os.sep, "/")
 
 
-def empty_table(columns: Sequence[str]) -> pd.DataFrame:
-    """A frame with these columns and no rows."""
-    return pd.DataFrame({name: pd.Series(dtype="int64" if name == "cycle" else "float64") for name in columns})
-
-
-def read_table(path: Path, columns: Sequence[str], whole: bool = True) -> tuple[pd.DataFrame, list[str]]:
-    """Read a CSV table with a column `cycle`; return it with exactly `columns`, and a line per kind of damage.
-
-    whole   cycles are whole numbers (not so in the history)
-    """
-    problems: list[str] = []
-    frame = _undamaged(path, columns)
-    if frame is not None:
-        frame.index += 2  # line numbers, for the messages
-        return _ordered(frame, whole, problems), problems
-    text = _decode(path, problems)
-    lines = text.split("\n")
-    if lines.pop().strip() and lines:
-        problems.append("ends in mid-line: the last line is dropped")
-    if not lines:
-        if not problems:
-            problems.append("is empty")
-        return empty_table(columns), problems
-
-    header = [name.strip().strip('"') for name in lines[0].split(",")]
-    missing = [name for name in columns if name not in header]
-    if "cycle" in missing:
-        problems.append("has no column cycle: nothing of it is used")
-        return empty_table(columns), problems
-    if missing:
-        problems.append(f"{_names(missing, 'column')} missing: nan")
-
-    numbers = np.array([k for k, line in enumerate(lines) if k and line.strip()], dtype=int)
-    width = np.array([lines[k].count(",") + 1 for k in numbers], dtype=int) == len(header)
-    if not width.all():
-        problems.append(
-            f"{_count(~width, 'line')} with another number of values dropped, "
-            f"the first is line {numbers[~width][0] + 1}"
-        )
-    numbers = numbers[width]
-    if len(numbers) == 0:
-        return empty_table(columns), problems
-    cells = pd.read_csv(
-        io.StringIO("\n".join(lines[k] for k in numbers)),
-        header=None,
-        dtype=str,
-        keep_default_na=False,
-        quoting=csv.QUOTE_NONE,
-        skip_blank_lines=False,
-    )
-    frame = pd.DataFrame({name: _numbers(cells[header.index(name)]) if name in header else np.nan for name in columns})
-    frame.index = numbers + 1  # line numbers, for the messages
-    _drop_nonsense(frame, cells, header, problems)
-    return _ordered(frame, whole, problems), problems
-
-
-def _undamaged(path: Path, columns: Sequence[str]) -> pd.DataFrame | None:
-    """The table where every value is there and plausible, else None: much faster than looking closely."""
-    try:
-        content = path.read_bytes()
-        if not content.endswith(b"\n") or content.split(b"\n", 1)[0].decode() != ",".join(columns):
-            return None
-        frame = pd.read_csv(io.BytesIO(content), dtype=float)
-    except (OSError, ValueError):
-        return None
-    if list(frame) != list(columns) or len(frame) == 0 or not isinstance(frame.index, pd.RangeIndex):
-        return None
-    for name in columns:
-        low, high = QUANTITIES[name].low, QUANTITIES[name].high
-        if not ((frame[name] >= low) & (frame[name] <= high)).all():
-            return None
-    return frame
-
-
-def _decode(path: Path, problems: list[str]) -> str:
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        problems.append("is missing" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})")
-        return ""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        problems.append("is UTF-16, not UTF-8")
-        text = content.decode("utf-16", "replace")
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            problems.append("is not UTF-8: read as Latin-1")
-            text = content.decode("latin-1")
-    return text.replace("\r\n", "\n").replace("\r", " ").replace("\0", " ").replace("\x0b", " ").replace("\x0c", " ")
-
-
-def _numbers(cells: pd.Series) -> np.ndarray:
-    """Cells as floats; what is no number is nan."""
-    return pd.to_numeric(cells.str.strip().str.replace("_", "x", regex=False), errors="coerce").to_numpy(dtype=float)
-
-
-def _drop_nonsense(frame: pd.DataFrame, cells: pd.DataFrame, header: list[str], problems: list[str]) -> None:
-    """Replace values outside their plausible range by nan; say so, and what was no number to begin with."""
-    for name in frame:
-        if name not in header:
-            continue
-        values = frame[name].to_numpy(copy=True)
-        unread = np.isnan(values)
-        if unread.any():
-            texts = cells[header.index(name)][unread].str.strip()
-            unread[unread] = ~(texts.eq("") | texts.str.lower().isin(["nan", "-nan"])).to_numpy()
-        low, high = QUANTITIES[name].low, QUANTITIES[name].high
-        with np.errstate(invalid="ignore"):
-            absurd = (values < low) | (values > high)
-        if unread.any():
-            first = np.flatnonzero(unread)[0]
-            problems.append(
-                f"{_count(unread, 'value')} of {name} no number: nan, the first in line {frame.index[first]}"
-            )
-        if absurd.any():
-            first = np.flatnonzero(absurd)[0]
-            problems.append(
-                f"{_count(absurd, 'value')} of {name} outside {low:g} to {high:g}: nan, the first is "
-                f"{values[first]:g} in line {frame.index[first]}"
-            )
-            values[absurd] = np.nan
-            frame[name] = values
-
-
-def _ordered(frame: pd.DataFrame, whole: bool, problems: list[str]) -> pd.DataFrame:
-    """Drop rows without a cycle, and those that do not rise: the longest rising sequence of cycles is kept."""
-    cycle = frame["cycle"].to_numpy()
-    good = np.isfinite(cycle)
-    if whole:
-        good[good] = cycle[good] % 1 == 0
-    if not good.all():
-        problems.append(
-            f"{_count(~good, 'row')} without a usable cycle dropped, the first is line {frame.index[~good][0]}"
-        )
-        frame = frame[good]
-    rising = _rising(frame["cycle"].to_numpy())
-    if len(rising) < len(frame):
-        out = np.setdiff1d(np.arange(len(frame)), rising)
-        problems.append(
-            f"{_count(out, 'row', len(out))} whose cycle does not rise dropped, the first is line {frame.index[out[0]]}"
-        )
-        frame = frame.iloc[rising]
-    return frame.astype({"cycle": "int64"} if whole else {}).reset_index(drop=True)
-
-
-def _rising(values: np.ndarray) -> np.ndarray:
-    """Positions of a longest strictly rising subsequence."""
-    if (np.diff(values) > 0).all():
-        return np.arange(len(values))
-    tails, tail_at, before = [], [], np.full(len(values), -1)
-    for k, value in enumerate(values):
-        place = bisect.bisect_left(tails, value)
-        tails[place : place + 1], tail_at[place : place + 1] = [value], [k]
-        before[k] = tail_at[place - 1] if place else -1
-    chain, k = [], tail_at[-1]
-    while k >= 0:
-        chain.append(k)
-        k = before[k]
-    return np.array(chain[::-1])
-
-
-def _checked(scenario: Scenario) -> Scenario:
-    for key, known in KEYS.items():
-        if key in scenario.parameters and not known.accepts(scenario[key]):
-            raise ValueError(f"{key} = {scenario[key]!r} is not {known.allowed()}")
-    return scenario
-
-
-def _count(flags: np.ndarray, noun: str, number: int | None = None) -> str:
-    number = int(np.sum(flags)) if number is None else number
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def _names(names: list[str], noun: str) -> str:
-    return f"{noun}{'' if len(names) == 1 else 's'} {', '.join(names)}"
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
+def _after_name(error: Exception) -> str:
+    """A message without the file's name at its start, which the run's own lines begin with."""
+    return one_line(error).partition(": ")[2]

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 from analysis import files
-from analysis.formats import file_columns
+from analysis.formats import file_columns, json_file
+from analysis.formats.errors import InputError
 from analysis.formats.quantities import QUANTITIES
 from analysis.normalised import beds, critical_step, microstructure, porosity
 from analysis.scenarios import derived
@@ -70,32 +70,23 @@ def bed_measures(
     }
 
 
-def read_stages(folder: Path, problem: Callable[[str], None]) -> Stages:
-    """stages.json of a run, {} without one; what is damaged or absurd is left out and told to `problem`."""
+def read_stages(folder: Path) -> Stages:
+    """stages.json of a run, {} without one. InputError, one line, where anything in it is damaged or cannot be."""
     try:
-        found = json.loads((folder / FILE).read_bytes().decode("utf-8"))
-        if not isinstance(found, dict) or not all(isinstance(table, dict) for table in found.values()):
-            raise ValueError("is no table of stages")
+        found = json_file.read(folder / FILE)
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError, RecursionError) as error:
-        problem(f"is damaged ({' '.join(str(error).split())}); nothing of it is used")
-        return {}
-    stages: Stages = {}
     for stage, table in found.items():
-        good = {name: value for name, value in table.items() if _is_possible(name, value)}
-        if len(good) < len(table):
-            problem(f"{stage}: {', '.join(sorted(set(table) - set(good)))} cannot be: not used")
-        stages[stage] = good
-    return stages
-
-
-def _is_possible(name: str, value) -> bool:
-    if name == "bed_sha256":
-        return isinstance(value, str)
-    return (
-        isinstance(value, (int, float))
-        and not isinstance(value, bool)
-        and name in QUANTITIES
-        and QUANTITIES[name].accepts(value)
-    )
+        if not isinstance(table, dict):
+            raise InputError(FILE, stage, table, "a table of quantities")
+        for name, value in table.items():
+            if name == "bed_sha256":
+                good, allowed = isinstance(value, str), "a checksum"
+            else:
+                quantity = QUANTITIES.get(name)
+                is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+                good = quantity is not None and is_number and quantity.accepts(value)
+                allowed = f"a number from {quantity.low:g} to {quantity.high:g}" if quantity else "a known quantity"
+            if not good:
+                raise InputError(FILE, f"{stage}.{name}", value, allowed)
+    return found

@@ -6,27 +6,30 @@ Needs only the standard library, because YADE's Python has no more.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import hashlib
 import json
 import re
-import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from analysis.files import ROOT
-from analysis.scenarios import derived, lattice
+from analysis.formats import json_file, toml_file
+from analysis.formats.errors import InputError
+from analysis.scenarios import cost, derived, lattice
 from analysis.scenarios.schema import FILE_KEYS, KEYS, PROFILE_KEYS, STAGES, STATUSES
 
 SCENARIO_FILE = ROOT / "scenarios.toml"
+FIELDS = ("value", "unit", "status", "source")
+REMEDY = "restore the file, or move the run away and run it again"
+MOST_NAMES_SHOWN = 40
 GROUPS = ("paper", "chen2015", "own")
 BED_SECTIONS = ("geometry.", "clump.", "packing.")
 """A variant that sets a key of these needs a packed bed of its own; where a bed comes from (packing.bed_*) aside."""
 
 
-class ScenarioError(ValueError):
+class ScenarioError(InputError):
     """A scenario file that cannot be used; the message is one line naming file, key, value and what is allowed."""
 
 
@@ -99,7 +102,24 @@ class Scenario:
     @classmethod
     def from_json(cls, text: str) -> Scenario:
         """Read what `to_json` wrote. Keys that are newer than the text get their neutral value, if they have one."""
-        body = json.loads(text)
+        return cls._from_body(json_file.parse("scenario.json", text.encode()))
+
+    @classmethod
+    def read(cls, path: Path) -> Scenario:
+        """The scenario that a run keeps. ScenarioError where the file is missing, damaged or impossible."""
+        path = Path(path)
+        try:
+            return cls._from_body(json_file.read(path, dict, REMEDY))
+        except FileNotFoundError:
+            raise ScenarioError(path.name, allowed=f"is missing; {REMEDY}") from None
+        except ScenarioError:
+            raise
+        except InputError as error:
+            raise ScenarioError(error.file, error.key, error.value, error.allowed) from None
+
+    @classmethod
+    def _from_body(cls, body: dict) -> Scenario:
+        _check_kept(body)
         parameters = {key: Parameter(**p) for key, p in body["parameters"].items()}
         for key, known in KEYS.items():
             if key not in parameters and known.neutral is not None:
@@ -146,17 +166,26 @@ def join_id(name: str, variants: Sequence[str] = ()) -> str:
 
 
 def _refuse(path: Path, key: str, value, allowed: str) -> ScenarioError:
-    return ScenarioError(f"{path.name}: {key} = {json.dumps(value, default=str)} is refused; allowed: {allowed}")
+    return ScenarioError(path.name, key, value, allowed)
 
 
-def _leaves(table: dict, prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Yield (dotted key, leaf); a leaf is a table with a `value`, an empty table, or anything that is not a table."""
-    for name, entry in table.items():
-        key = f"{prefix}{name}"
-        if isinstance(entry, dict) and entry and "value" not in entry and key not in KEYS:
-            yield from _leaves(entry, key + ".")
-        else:
-            yield key, entry
+def _check_kept(body: dict) -> None:
+    """Refuse a kept scenario whose texts or parameters are not what `to_json` writes."""
+
+    def refuse(key: str, value, allowed: str) -> ScenarioError:
+        return ScenarioError("scenario.json", key, value, f"{allowed}; {REMEDY}")
+
+    for key in ("name", "profile", "title", "variant", "label"):
+        if not isinstance(body.get(key, "" if key in ("variant", "label") else None), str):
+            raise refuse(key, body.get(key), "a text")
+    parameters = body.get("parameters")
+    if not isinstance(parameters, dict) or not parameters:
+        raise refuse("parameters", parameters, "a table of parameters")
+    for key, entry in parameters.items():
+        if not isinstance(entry, dict) or set(entry) != set(FIELDS):
+            raise refuse(key, entry, "a table of exactly " + ", ".join(FIELDS))
+        if key in KEYS and not KEYS[key].accepts(entry["value"]):
+            raise refuse(f"{key}.value", entry["value"], KEYS[key].allowed())
 
 
 def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
@@ -164,20 +193,13 @@ def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
     if key not in FILE_KEYS:
         if key in KEYS:
             raise _refuse(path, name, entry, f"nothing: it is made from {KEYS[key].made}")
-        near = difflib.get_close_matches(key, FILE_KEYS, 1)
-        raise _refuse(path, name, entry, f"a known key{f', perhaps {near[0]}' if near else ''}")
+        raise _refuse(path, name, entry, f"a known key{toml_file.nearest(key, FILE_KEYS)}")
     known = KEYS[key]
-    if not isinstance(entry, dict) or set(entry) != {"value", "unit", "status", "source"}:
-        raise _refuse(path, name, entry, "a table of exactly value, unit, status and source")
-    if entry["unit"] != known.unit:
-        raise _refuse(path, f"{name}.unit", entry["unit"], f'"{known.unit}"')
+    value = toml_file.checked(functools.partial(_refuse, path), name, entry, known, FIELDS)
     if entry["status"] not in STATUSES:
         raise _refuse(path, f"{name}.status", entry["status"], "one of " + ", ".join(STATUSES))
     if not isinstance(entry["source"], str) or not entry["source"].strip():
         raise _refuse(path, f"{name}.source", entry["source"], "a text that is not empty")
-    if not known.accepts(entry["value"]):
-        raise _refuse(path, f"{name}.value", entry["value"], known.allowed())
-    value = entry["value"]
     if known.kind is float:
         value = float(value)
     elif known.kind is list:
@@ -187,19 +209,16 @@ def _parameter(path: Path, where: str, key: str, entry) -> Parameter:
 
 def _read(path: Path) -> dict:
     try:
-        text = path.read_bytes()
-    except OSError as error:
-        reason = f"cannot be read ({error.strerror}); give the path of a scenario file"
-        raise ScenarioError(f"{path.name}: {reason}") from None
-    return _parsed(path, text)
+        return _parsed(path, toml_file.content(path, "scenario file"))
+    except ScenarioError:
+        raise
+    except InputError as error:
+        raise ScenarioError(error.file, error.key, error.value, error.allowed) from None
 
 
 @functools.lru_cache(maxsize=8)  # a study loads a hundred scenarios of one file
 def _parsed(path: Path, text: bytes) -> dict:
-    try:
-        content = tomllib.loads(text.decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
+    content = toml_file.parse(path.name, text)
     content = {"variant": {}, "study": {}} | content
     sections = ("base", "scenario", "profile", "variant", "study")
     for section in content:
@@ -224,7 +243,7 @@ def _overlay(path: Path, where: str, table, extras: tuple[str, ...]) -> tuple[di
         if not isinstance(text, str):
             raise _refuse(path, f"{where}.{name}", text, "a text")
     rest = {name: entry for name, entry in table.items() if name not in extras}
-    return texts, {key: _parameter(path, where, key, entry) for key, entry in _leaves(rest)}
+    return texts, {key: _parameter(path, where, key, entry) for key, entry in toml_file.leaves(rest, KEYS)}
 
 
 def read_file(path: Path = SCENARIO_FILE) -> dict:
@@ -301,7 +320,7 @@ def load_scenario(
 
 
 def _base(path: Path, content: dict) -> dict[str, Parameter]:
-    parameters = {key: _parameter(path, "base", key, entry) for key, entry in _leaves(content["base"])}
+    parameters = {key: _parameter(path, "base", key, entry) for key, entry in toml_file.leaves(content["base"], KEYS)}
     for key in FILE_KEYS:
         if key not in parameters:
             raise ScenarioError(f"{path.name}: base.{key} is missing; give value, unit, status and source")
@@ -327,9 +346,9 @@ def _unknown(path: Path, section: str, known: dict, name: str) -> ScenarioError:
     head, dot, rest = name.partition(".")
     if dot and isinstance(known.get(head), dict) and rest in known[head]:
         return ScenarioError(f'{path.name}: {section}.{name}: put the name in quotes, [{section}."{name}"]')
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f", perhaps {near[0]}" if near else ""
-    return ScenarioError(f"{path.name}: {section} {name!r} is unknown{hint}; known: {', '.join(known) or 'none'}")
+    hint = toml_file.nearest(name, known)
+    shown = ", ".join(list(known)[:MOST_NAMES_SHOWN]) or "none"
+    return ScenarioError(f"{path.name}: {section} {name[:80]!r} is unknown{hint}; known: {shown}")
 
 
 def _chain(path: Path, section: str, known: dict, name: str, texts: tuple[str, ...]):
@@ -451,6 +470,8 @@ def _check_together(path: Path, s: Scenario) -> None:
         )
     if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
         raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
+    for key, allowed in cost.too_much(s):
+        raise refuse(key, allowed)
     diameter = 2 * derived.clump(s).radius_m
     if s["geometry.plate_gap"] >= diameter:
         raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")

@@ -54,7 +54,7 @@ def load_scene(folder: Path, label: str | int = "after") -> Scene:
             f"{path.name}: is not there; run it at least that far, or again where the run was kept without beds"
         )
     try:
-        scenario = Scenario.from_json((folder / "scenario.json").read_text())
+        scenario = Scenario.read(folder / "scenario.json")
         bed = beds.read_bed(path)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ViewError(f"{' '.join(str(error).split())}; the bed is not drawn") from None
