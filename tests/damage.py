@@ -118,7 +118,7 @@ def drop_key(content, generator):
         body = json.loads(content)
         body.pop(generator.choice(sorted(body)))
         return json.dumps(body).encode()
-    except (ValueError, RecursionError, AttributeError, IndexError):
+    except (ValueError, RecursionError, AttributeError, IndexError, TypeError):
         lines = _lines(content)
         lines.pop(generator.randrange(len(lines)))
         return b"".join(lines)

@@ -83,8 +83,18 @@ def check_bed(bed):
 
 def test_beds(run):
     assert fuzz(run / "bed_before.csv", OF_TABLES, beds.read_bed, check_bed) > MUTATIONS / 2
+
+
+def check_count(clumps):
+    assert clumps > 0
+
+
+def test_beds_to_start_from(tmp_path):
+    places = [(0.1 + 0.06 * k, 0.036, 0.05 + 0.06 * n) for k in range(10) for n in range(2)]
+    bed_file.write(tmp_path / "bed.csv", [(n, *at, 1.0, 0.0, 0.0, 0.0) for n, at in enumerate(places, start=1)])
     scenario = load_scenario("linear-mu0.8", "demo")
-    fuzz(run / "bed_before.csv", OF_TABLES, lambda path: beds.check_fits(path, scenario), seed="fits")
+    refused = fuzz(tmp_path / "bed.csv", OF_TABLES, lambda path: beds.check_fits(path, scenario), check_count)
+    assert refused > MUTATIONS / 2
 
 
 def test_packed_beds(run, tmp_path):

@@ -223,9 +223,10 @@ class Run:
         if not path.exists() and (self.info.get("stage") in ("packing", "preload") or name == "history.csv"):
             return empty_table(columns)
         try:
+            frame = read_table(path, columns, whole)
             if table_file.is_torn(path):
                 self._problem(name, "ends in mid-line: that row does not count")
-            return read_table(path, columns, whole)
+            return frame
         except InputError as error:
             self._problem(name, f"{_after_name(error)}; nothing of it is used")
             return empty_table(columns)
