@@ -8,13 +8,14 @@ import pytest
 from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
-from analysis.driver import checkpoints, record, status
-from analysis.driver.supervise import deviations
+from analysis.driver import checkpoints, status
 from analysis.formats import bed_file, file_columns, table_file
 from analysis.formats.errors import InputError
 from analysis.formats.quantities import QUANTITIES
+from analysis.formats.run_record import RunRecord
 from analysis.normalised import beds, microstructure, stages
 from analysis.normalised.frames import read_table
+from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
 from analysis.verification.impact import read_impact
@@ -106,12 +107,12 @@ def test_packed_beds(run, tmp_path):
     assert fuzz(path, OF_TABLES, bed_file.read) > MUTATIONS / 2
 
 
-def check_record(body):
-    assert body is None or (body["state"] in ("running", "finished", "interrupted", "failed") and body["seed"] >= 1)
+def check_record(record):
+    assert record.state in ("running", "finished", "interrupted", "failed") and record.seed >= 1
 
 
 def test_run_json(run):
-    assert fuzz(run / "run.json", OF_TEXTS, lambda path: record.read(path.parent), check_record) > MUTATIONS / 3
+    assert fuzz(run / "run.json", OF_TEXTS, lambda path: RunRecord.read(path.parent), check_record) > MUTATIONS / 3
 
 
 def test_scenario_json(run):
@@ -126,18 +127,10 @@ def test_stages_json(run):
     assert fuzz(run / "stages.json", OF_TEXTS, lambda path: stages.read_stages(path.parent)) > MUTATIONS / 3
 
 
-def test_deviations_json(run):
-    path = run / "raw" / "deviations.json"
-    path.write_text('["YADE does another thing.", "And a second one."]\n')
-    assert fuzz(path, OF_TEXTS, lambda path: deviations(path.parent)) > MUTATIONS / 3
-
-
 def test_checkpoint_sidecars(run):
     """What is damaged does not count; the checkpoint and its sidecar stay where they are."""
     grid, path = load_scenario("linear-mu0.8", "demo"), run / "checkpoints" / "cyclic_000003.restart"
     path.write_bytes(b"state" * 1000)
-    from analysis.scenarios import derived
-
     checkpoint = checkpoints.Checkpoint(3, 0, path)
     checkpoint.certify(derived.time_grid(grid))
     good, before = checkpoint.sidecar.read_bytes(), path.read_bytes()
