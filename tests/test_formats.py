@@ -66,8 +66,8 @@ def cpp_headers():
 
 
 def test_liggghts_writes_the_columns_declared():
-    wanted = (file_columns.BED, file_columns.CONTACTS, file_columns.RAW_LOADING, file_columns.RAW_STATE)
-    assert cpp_headers() == {",".join(columns) for columns in wanted}
+    wanted = FORMATS.keys() - {"CYCLES", "HISTORY", "MICROSTRUCTURE"}
+    assert cpp_headers() == {",".join(FORMATS[name]) for name in wanted}
 
 
 def test_yade_writes_no_header_of_its_own():
