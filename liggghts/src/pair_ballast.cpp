@@ -1,12 +1,16 @@
 #include "pair_ballast.h"
 
+#include <algorithm>
+
 #include "atom.h"
+#include "clones.h"
 #include "comm.h"
 #include "contact_recorder.h"
 #include "error.h"
 #include "force.h"
 #include "material.h"
 #include "neigh_list.h"
+#include "neighbor.h"
 #include "stop_with_error.h"
 #include "update.h"
 #include "utils.h"
@@ -19,6 +23,30 @@ namespace {
 
 // history of a pair in LIGGGHTS' neighbour list; the impact speed exists in the hysteretic law only
 enum { LAST_TOUCH, SHEAR, IMPACT_SPEED = SHEAR + 3 };
+
+/// Indices of the pairs whose spheres touch, in order; returns their number. `touching` has room for one more than there are pairs.
+/// LIGGGHTS' table of positions is contiguous: sphere i begins at 3 i.
+BALLAST_CLONES int find_touching(const double *x, const double *radius, const int *i, const int *j, int pairs, int *touching) {
+  const int BLOCK = 64;
+  double room[BLOCK];
+  int count = 0;
+  for (int first = 0; first < pairs; first += BLOCK) {
+    const int number = std::min(BLOCK + 0, pairs - first);
+#pragma omp simd
+    for (int k = 0; k < number; k++) {
+      const int a = i[first + k], b = j[first + k];
+      const double dx = x[3 * a] - x[3 * b], dy = x[3 * a + 1] - x[3 * b + 1], dz = x[3 * a + 2] - x[3 * b + 2];
+      const double reach = radius[a] + radius[b];
+      room[k] = reach * reach - (dx * dx + dy * dy + dz * dz);
+    }
+    // written in any case, counted only where the spheres touch: no branch to guess
+    for (int k = 0; k < number; k++) {
+      touching[count] = first + k;
+      count += room[k] > 0.0;
+    }
+  }
+  return count;
+}
 
 }  // namespace
 
@@ -67,48 +95,45 @@ void PairBallast::init_granular() {
     if (atom->type[i] != PARTICLES) error->one(FLERR, "the ballast models: all spheres must have type 1; type 2 is for walls");
 }
 
+void PairBallast::list_pairs(PairGran *pair) {
+  const NeighList &list = *pair->list;
+  const int width = pair->dnum();
+  pairs_.i.clear();
+  pairs_.j.clear();
+  pairs_.history.clear();
+  pairs_.flag.clear();
+  for (int n = 0; n < list.inum; n++) {
+    const int i = list.ilist[n];
+    for (int m = 0; m < list.numneigh[i]; m++) {
+      pairs_.i.push_back(i);
+      pairs_.j.push_back(list.firstneigh[i][m] & NEIGHMASK);
+      pairs_.history.push_back(pair->listgranhistory->firstdouble[i] + m * width);
+      pairs_.flag.push_back(pair->listgranhistory->firstneigh[i] + m);
+    }
+  }
+  touching_.resize(pairs_.i.size() + 1);
+}
+
 void PairBallast::compute_force(PairGran *pair, int, int, int) {
   // LIGGGHTS' virials are not computed: nothing in this study asks for them
   pair->evflag = pair->vflag_fdotr = 0;
-  if (atom->nlocal == 0) return;
-  const double *const x = atom->x[0];  // LIGGGHTS' tables of vectors are contiguous: sphere i begins at 3 i
-  const double *const radius = atom->radius;
-  const NeighList &list = *pair->list;
-  int *const *const flags = pair->listgranhistory->firstneigh;
-  double *const *const histories = pair->listgranhistory->firstdouble;
-  const int width = pair->dnum();
+  if (neighbor->ago == 0) list_pairs(pair);
+  if (pairs_.i.empty()) return;
+  const int count = find_touching(atom->x[0], atom->radius, pairs_.i.data(), pairs_.j.data(), static_cast<int>(pairs_.i.size()),
+                                  touching_.data());
   const bool compute = pair->computeflag(), advance = compute && pair->shearupdate();
-
-  Touching touching[ContactBatch::SIZE];
-  int count = 0;
-  for (int n = 0; n < list.inum; n++) {
-    const int i = list.ilist[n];
-    const double xi = x[3 * i], yi = x[3 * i + 1], zi = x[3 * i + 2], radius_i = radius[i];
-    const int *const neighbours = list.firstneigh[i];
-    int *const flags_i = flags[i];
-    double *const histories_i = histories[i];
-    const int number = list.numneigh[i];
-    for (int m = 0; m < number; m++) {
-      const int j = neighbours[m] & NEIGHMASK;
-      const double dx = xi - x[3 * j], dy = yi - x[3 * j + 1], dz = zi - x[3 * j + 2], reach = radius_i + radius[j];
-      // written in any case, counted only where the spheres touch: no branch to guess
-      touching[count] = {i, j, histories_i + m * width, flags_i + m};
-      count += dx * dx + dy * dy + dz * dz < reach * reach;
-      if (count < ContactBatch::SIZE) continue;
-      add_forces(touching, count, compute, advance);
-      count = 0;
-    }
-  }
-  if (count) add_forces(touching, count, compute, advance);
+  for (int first = 0; first < count; first += ContactBatch::SIZE)
+    add_forces(touching_.data() + first, std::min(ContactBatch::SIZE + 0, count - first), compute, advance);
 }
 
-void PairBallast::add_forces(const Touching *touching, int count, bool compute, bool advance) {
+/// touching are indices of pairs_.
+void PairBallast::add_forces(const int *touching, int count, bool compute, bool advance) {
   const double *const x = atom->x[0], *const v = atom->v[0], *const omega = atom->omega[0];
   const double *const radius = atom->radius, *const mass = atom->rmass;
   ContactBatch &b = batch_;
   for (int k = 0; k < count; k++) {
-    const int i = touching[k].i, j = touching[k].j;
-    const double *const history = touching[k].history;
+    const int i = pairs_.i[touching[k]], j = pairs_.j[touching[k]];
+    const double *const history = pairs_.history[touching[k]];
     for (int d = 0; d < 3; d++) {
       b.distance[d][k] = x[3 * i + d] - x[3 * j + d];
       b.velocity[d][k] = v[3 * i + d] - v[3 * j + d];
@@ -127,10 +152,10 @@ void PairBallast::add_forces(const Touching *touching, int count, bool compute, 
   evaluate(constants_, b, static_cast<double>(update->ntimestep), update->dt, advance);
 
   if (ContactRecorder::active)
-    for (int k = 0; k < count; k++) ContactRecorder::active->add(touching[k].i, touching[k].j, b, k);
+    for (int k = 0; k < count; k++) ContactRecorder::active->add(pairs_.i[touching[k]], pairs_.j[touching[k]], b, k);
   if (advance)
     for (int k = 0; k < count; k++) {
-      double *const history = touching[k].history;
+      double *const history = pairs_.history[touching[k]];
       history[LAST_TOUCH] = b.last_touch_step[k];
       for (int d = 0; d < 3; d++) history[SHEAR + d] = b.shear[d][k];
       if (hysteretic_) history[IMPACT_SPEED] = b.impact_speed[k];
@@ -139,8 +164,8 @@ void PairBallast::add_forces(const Touching *touching, int count, bool compute, 
   double *const f = atom->f[0], *const torque = atom->torque[0];
   const int nlocal = atom->nlocal;
   for (int k = 0; k < count; k++) {
-    const int i = touching[k].i, j = touching[k].j;
-    *touching[k].flag = 1;
+    const int i = pairs_.i[touching[k]], j = pairs_.j[touching[k]];
+    *pairs_.flag[touching[k]] = 1;
     for (int d = 0; d < 3; d++) {
       f[3 * i + d] += b.force[d][k];
       torque[3 * i + d] -= b.arm_i[k] * b.turn[d][k];

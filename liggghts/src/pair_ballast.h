@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include <string>
+#include <vector>
 
 // LIGGGHTS' headers need this order
 #include "lammps.h"
@@ -39,18 +40,21 @@ class PairBallast : public LIGGGHTS::PairStyles::IGranularPairStyle, protected L
   static int64_t hashcode_of(bool hysteretic);
 
  private:
-  /// A touching pair: local indices, its history and LIGGGHTS' flag that the history is to be kept.
-  struct Touching {
-    int i, j;
-    double *history;
-    int *flag;
+  /// Pairs of neighbours in the order of LIGGGHTS' list: local indices, history, and LIGGGHTS' flag that the history is to be kept.
+  struct Pairs {
+    std::vector<int> i, j;
+    std::vector<double *> history;
+    std::vector<int *> flag;
   };
 
-  void add_forces(const Touching *touching, int count, bool compute, bool advance);
+  void list_pairs(LAMMPS_NS::PairGran *pair);
+  void add_forces(const int *touching, int count, bool compute, bool advance);
 
   bool hysteretic_;
   ContactConstants constants_;
   ContactBatch batch_;
+  Pairs pairs_;                // of the present neighbour list
+  std::vector<int> touching_;  // which of them touch in this step
 };
 
 }  // namespace ballast
