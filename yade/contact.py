@@ -62,9 +62,10 @@ class ContactLaw:
     side_material -- material of the end wall and the side walls, another one only where their friction is
     """
 
-    def __init__(self, scenario, model: str, bonded: bool = True):
-        """`bonded` False leaves out the scenario's bonds, while they are not yet made."""
+    def __init__(self, scenario, model: str, packing: bool = False):
+        """While `packing` there are no bonds, and the contacts are the paper's."""
         self.scenario, self.model = scenario, model
+        self.stock = scenario["contact.origin"] == "engine" and not packing
         density = scenario["clump.density"]
         damping = scenario["contact.particle_particle.damping_ratio"]
         wall_damping = scenario["contact.particle_wall.damping_ratio"]
@@ -74,7 +75,7 @@ class ContactLaw:
             poisson = scenario["contact.particle_particle.poisson_ratio"]
             particle = FrictMat(young=2 * shear * (1 + poisson), poisson=poisson)
             self._between = Ip2_FrictMat_FrictMat_MindlinPhys()
-            restitution = effective_restitution(scenario)
+            restitution = restitution_of(scenario)
             if restitution < 1:
                 # es = 1: no dashpot in shear, which YADE would otherwise add
                 self._between.en = MatchMaker(algo="val", val=restitution)
@@ -101,7 +102,7 @@ class ContactLaw:
             self.shells, self.wall_mask = (("particle", MEETS_PARTICLES),), MEETS_PARTICLES
             plain = isinstance(self._between, Ip2_FrictMat_FrictMat_FrictPhys)
             self._at_walls = self._between if plain else Ip2_FrictMat_FrictMat_FrictPhys()
-        self.bonded = bonded and derived.bond(scenario) is not None
+        self.bonded = not packing and derived.bond(scenario) is not None
         if self.bonded:
             O.materials.append(bond.material(density))
             self.shells += ((bond.MATERIAL, bond.MEETS_NOTHING),)
@@ -169,10 +170,11 @@ class ContactLaw:
                 avoidSelfInteractionMask=MEETS_WALLS,
                 label="collider",
             ),
-            # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS.
+            # The relative velocity is that of the contact point, as in the paper and in LIGGGHTS; YADE's own contacts
+            # avoid granular ratcheting.
             InteractionLoop(
                 [
-                    between(avoidGranularRatcheting=False),
+                    between(avoidGranularRatcheting=self.stock),
                     Ig2_Box_Sphere_ScGeom(),
                     Ig2_Wall_Sphere_ScGeom(noRatch=False),
                 ],
@@ -195,12 +197,26 @@ def effective_restitution(scenario) -> float:
     return laws.effective_restitution(laws.damping_factor(mode, nominal)) if nominal < 1 else 1.0
 
 
+def restitution_of(scenario) -> float:
+    """What YADE gets as `en`: stock contacts have the nominal e_n, ours the restitution that comes out of eq. 16."""
+    if scenario["contact.origin"] == "engine":
+        return scenario["contact.particle_particle.restitution"]
+    return effective_restitution(scenario)
+
+
 def deviations(scenario) -> list[str]:
     """Where YADE's laws differ from the paper's, one sentence each."""
     found = ["Eq. 3 is left out, YADE has no such rule: the whole shear increment of the closing step counts."]
+    if scenario["contact.origin"] == "engine":
+        found.append(
+            "Contacts between particles are YADE's own: relative velocities that avoid granular ratcheting, and at "
+            "e_n < 1 a viscous Hertz dashpot with e_n as its restitution."
+        )
     if scenario["contact.model"] == "hysteretic":
-        restitution = effective_restitution(scenario)
-        if restitution < 1:
+        restitution = restitution_of(scenario)
+        if restitution < 1 and scenario["contact.origin"] == "engine":
+            found.append("The slip limit between particles includes the viscous part of the normal force.")
+        elif restitution < 1:
             found.append(
                 "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its "
                 f"viscous Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free "

@@ -28,7 +28,7 @@ O = Omega()
 def pack(run: stage.Stage, _) -> None:
     """Relax without friction under the lid, compact at high gravity, bring to rest at normal gravity."""
     s = run.scenario
-    law = ContactLaw(s, run.model, bonded=False)
+    law = ContactLaw(s, run.model, packing=True)
     apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
     lid = apparatus.close_lid(run.box, "wall", law.wall_mask)
     run.bed = Bed(s)

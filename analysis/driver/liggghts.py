@@ -100,7 +100,22 @@ def _derived(scenario: Scenario, seed: int) -> dict:
         "seed": seed,
     }
     scaled = {f"{key}_scaled": value for key, value in derived.load_control(scenario).items()}
-    return values | _bonds(scenario) | scaled | _blocks(scenario)
+    return values | _pairs(scenario) | _bonds(scenario) | scaled | _blocks(scenario)
+
+
+PAIR_LAWS = {
+    ("linear", "paper"): "model ballast/linear tangential ballast/slip",
+    ("hysteretic", "paper"): "model ballast/hysteretic tangential ballast/slip",
+    ("linear", "engine"): "model hooke/stiffness tangential history tangential_damping off",
+    ("hysteretic", "engine"): "model hertz tangential history tangential_damping off",
+}
+"""Words of LIGGGHTS' `pair_style gran` by contact.model and contact.origin."""
+
+
+def _pairs(scenario: Scenario) -> dict:
+    """The law between particles, and whether it is LIGGGHTS' own."""
+    model, origin = scenario["contact.model"], scenario["contact.origin"]
+    return {"pair_law": PAIR_LAWS[model, origin], "stock_pairs": int(origin == "engine")}
 
 
 def _bonds(scenario: Scenario) -> dict[str, float]:

@@ -239,8 +239,39 @@ CONVERSIONS = (
 )
 
 
+OWN_MODELS = (
+    ("contact models", "`FrictMat`; `PartialSatMat` with Mindlin", "`hooke/stiffness`; `hertz`, `tangential history`"),
+    ("normal, shear stiffness (linear)", "`kn` = k_n, `ks` = k_s", "`kn` = k_n, `kt` = k_s"),
+    ("damping ratio (linear)", "`betan` = beta", "`gamman` = 2 beta sqrt(k_n/m), m of half a clump; `gammat` = 0"),
+    (
+        "shear modulus, Poisson's ratio",
+        "`young` = 2 G (1 + nu), `poisson` = nu",
+        "`youngsModulus` and `poissonsRatio`, same",
+    ),
+    ("restitution", "`en` = e_n, `es` = 1", "`coefficientRestitution` = e_n"),
+    ("friction", "`frictAngle` = atan(mu)", "`coefficientFriction` = mu"),
+    ("slip limit", "with the dashpot's force", "with the dashpot's force"),
+    ("shear force", "in increments of force", "shear displacement times the present stiffness"),
+    ("eq. 3, share of the closing step", "none", "none"),
+    ("relative velocity", "without granular ratcheting", "of the contact point"),
+)
+"""With contact.origin = engine: what, in YADE, in LIGGGHTS. Walls stay the paper's."""
+BONDS = (
+    ("`contact.bond.normal_stiffness`", "`kn` = k_n A, `kr` = k_n I", "`stiffness`, first value"),
+    ("`contact.bond.shear_stiffness`", "`ks` = k_s A, `ktw` = k_s J", "`stiffness`, second value"),
+    ("`contact.bond.normal_strength`", "`normalAdhesion` = strength x A", "`strength`, first value"),
+    ("`contact.bond.shear_strength`", "`shearAdhesion` = strength x A", "`strength`, second value"),
+)
+"""Parallel bonds of radius R: A = pi R^2, I = pi R^4 / 4, J = 2 I; in the reading `total` k and strength over A."""
+
+
+def _plain_table(first: str, rows) -> list[str]:
+    lines = [f"| {first} | YADE | LIGGGHTS |", "| --- | --- | --- |"]
+    return lines + [f"| {' | '.join(row)} |" for row in rows]
+
+
 def markdown() -> str:
-    """The table for PARAMETERS.md."""
+    """The tables for PARAMETERS.md."""
     lines = [
         "## The same parameter in YADE and in LIGGGHTS\n",
         "Tests hold each row against the values the engines got. What YADE does otherwise is in every run's `run.json` "
@@ -249,4 +280,10 @@ def markdown() -> str:
         "| --- | --- | --- | --- |",
     ]
     lines += [f"| `{c.parameter}` | {c.model} | {c.yade} | {c.liggghts} |" for c in CONVERSIONS]
+    lines += [
+        "\nWith `contact.origin` = engine (variant `stock`), between particles:\n",
+        *_plain_table("what", OWN_MODELS),
+    ]
+    bond = "\nParallel bonds of radius R, A = pi R^2, I = pi R^4/4, J = 2 I; in the reading `total`, over A:\n"
+    lines += [bond, *_plain_table("parameter", BONDS)]
     return "\n".join(lines) + "\n"

@@ -195,6 +195,7 @@ KEYS: dict[str, Key] = {
             "load_control.pfc_update_interval": _positive("step", 10_000_000, int),
             "load_control.pfc_contact_floor": Key("-", int, 1, 1_000_000),
             "contact.model": Key("-", str, choices=("linear", "hysteretic")),
+            "contact.origin": _neutral("paper", Key("-", str, choices=("paper", "engine"))),
             "contact.dashpot_limit": _neutral(1.0, _positive("-", 1)),
         },
     ),

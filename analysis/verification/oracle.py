@@ -155,14 +155,17 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
 # ------------------------------------------------------------------ forces along a prescribed path
 
 
-def forces_along(law, overlap, closing_speed, sliding, *, closing_scaled=True, slip_by_total=False):
+def forces_along(
+    law, overlap, closing_speed, sliding, *, closing_scaled=True, slip_by_total=False, by_displacement=False
+):
     """Normal and shear force (N) of one contact after each step of a prescribed motion, eq. 1-16 in their order.
 
     `overlap` (m) before the first and after each step, negative while apart, shape (n + 1,); `closing_speed` (m/s) and
     shear displacement `sliding` (m, along one line) in each step, shape (n,). The approach speed is the closing speed
     in the step in which the contact forms. Both forces are zero while apart, and the history is lost.
-    `closing_scaled=False` leaves eq. 3 out, `slip_by_total=True` counts the dashpot in eq. 4: not the paper's law, but
-    what other codes do.
+    Not the paper's law, but what other codes do: `closing_scaled=False` leaves eq. 3 out, `slip_by_total=True` counts
+    the dashpot in eq. 4, `by_displacement=True` keeps the shear displacement and multiplies it by the present
+    stiffness.
     """
     normal, shear = np.zeros(len(sliding)), np.zeros(len(sliding))
     force, approach = 0.0, 0.0
@@ -175,7 +178,10 @@ def forces_along(law, overlap, closing_speed, sliding, *, closing_scaled=True, s
             if closing_scaled:
                 slid = slid * laws.closing_share(now, old)
         normal[n] = law.normal(now, speed, approach)
-        trial = laws.trial_shear_force([force], law.shear_slope(now), [slid])
+        stiffness = law.shear_slope(now)
+        if by_displacement and n > 0 and old > 0:
+            force *= stiffness / law.shear_slope(old)
+        trial = laws.trial_shear_force([force], stiffness, [slid])
         limiting = abs(normal[n]) if slip_by_total else law.elastic(now)
         shear[n] = force = float(laws.slip(trial, laws.shear_strength(law.friction, limiting))[0])
     return normal, shear

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "atom.h"
+#include "compute.h"
 #include "contact_recorder.h"
 #include "fix_bonds.h"
 #include "fix_gravity.h"
@@ -13,8 +14,11 @@
 #include "fix_wall.h"
 #include "force.h"
 #include "lammps.h"
+#include "material.h"
 #include "modify.h"
+#include "pair_ballast.h"
 #include "pair_gran.h"
+#include "stop_with_error.h"
 
 using namespace LAMMPS_NS;
 
@@ -24,16 +28,53 @@ ContactRecorder *ContactRecorder::active = NULL;
 
 FixMultisphere *find_clumps(LAMMPS *lmp) { return dynamic_cast<FixMultisphere *>(lmp->modify->find_fix_style("multisphere", 0)); }
 
+namespace {
+
+/// Contacts of LIGGGHTS' own pair styles, which know no recorder: from the deck's `compute pairs all pair/gran/local pos id force`.
+void record_stock_pairs(LAMMPS *lmp, std::vector<Contact> &contacts) {
+  const int number = lmp->modify->find_compute("pairs");
+  if (number < 0) stop_with_error(lmp, "LIGGGHTS' own contact models need `compute pairs all pair/gran/local pos id force`");
+  Compute &pairs = *lmp->modify->compute[number];
+  pairs.compute_local();
+  const double friction = read_material(lmp, PARTICLES, PARTICLES, false).friction;
+  const Atom *atom = lmp->atom;
+  for (int n = 0; n < pairs.size_local_rows; n++) {
+    const double *const row = pairs.array_local[n], *const xi = row, *const xj = row + 3, *const force = row + 9;
+    Contact c = {};
+    c.i = lmp->atom->map(static_cast<int>(row[6]));
+    c.j = lmp->atom->map(static_cast<int>(row[7]));
+    double distance2 = 0.0, shear2 = 0.0;
+    for (int d = 0; d < 3; d++) distance2 += (xi[d] - xj[d]) * (xi[d] - xj[d]);
+    const double distance = std::sqrt(distance2);
+    for (int d = 0; d < 3; d++) {
+      c.normal[d] = (xi[d] - xj[d]) / distance;
+      c.normal_force += force[d] * c.normal[d];
+    }
+    for (int d = 0; d < 3; d++) {
+      c.shear[d] = force[d] - c.normal_force * c.normal[d];
+      shear2 += c.shear[d] * c.shear[d];
+    }
+    c.overlap = atom->radius[c.i] + atom->radius[c.j] - distance;
+    c.sliding = std::sqrt(shear2) >= (1.0 - 1e-9) * friction * std::fabs(c.normal_force) && shear2 > 0.0;
+    contacts.push_back(c);
+  }
+}
+
+}  // namespace
+
 std::vector<Contact> collect_contacts(LAMMPS *lmp) {
   ContactRecorder recorder;
   ContactRecorder::active = &recorder;
-  if (PairGran *pair = dynamic_cast<PairGran *>(lmp->force->pair)) pair->compute_pgl(0, 0);
+  PairGran *pair = dynamic_cast<PairGran *>(lmp->force->pair);
+  const bool stock = pair && pair->hashcode() != PairBallast::hashcode_of(false) && pair->hashcode() != PairBallast::hashcode_of(true);
+  if (pair && !stock) pair->compute_pgl(0, 0);
   for (int n = 0; n < lmp->modify->nfix; n++)
     if (FixWall *wall = dynamic_cast<FixWall *>(lmp->modify->fix[n])) wall->record_contacts();
   ContactRecorder::active = NULL;
 
   const Atom *atom = lmp->atom;
   std::vector<Contact> counted;
+  if (stock) record_stock_pairs(lmp, counted);
   for (const Contact &contact : recorder.contacts)
     if (contact.j < atom->nlocal || atom->tag[contact.i] < atom->tag[contact.j]) counted.push_back(contact);
   return counted;
