@@ -9,7 +9,16 @@ from analysis.formats.file_columns import CYCLES
 from analysis.scenarios.scenario import Scenario
 
 STAGES = ("packing", "preload", "cyclic")
-NORMALISED = ("bed_before.csv", "stages.json", "cycles.csv", "microstructure.csv", "history.csv", "bed_after.csv")
+NORMALISED = (
+    "bed_before.csv",
+    "stages.json",
+    "cycles.csv",
+    "microstructure.csv",
+    "history.csv",
+    "bed_after.csv",
+    "bonds.csv",
+    "bonds_broken.csv",
+)
 
 
 def run_folder(results: Path, profile: str, scenario: str, code: str, seed: int) -> Path:

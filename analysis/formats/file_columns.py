@@ -7,6 +7,8 @@ from analysis.formats.quantities import CODES, PLATES, SPHERES, row_of
 __all__ = [
     "BED",
     "BONDS",
+    "BONDS_BROKEN",
+    "BOND_COUNTS",
     "CODES",
     "CONTACTS",
     "CYCLES",
@@ -96,7 +98,14 @@ CONTACTS = (
 """raw/contacts_*.csv: a row per contact of two spheres; a wall is clump 0 and always second."""
 
 BONDS = ("clump_1", "clump_2", "x_m", "y_m", "z_m", "broken", "step", "mode", "tensile_stress_Pa", "shear_stress_Pa")
-"""raw/bonds_*.csv: a row per bond, those that hold first; `mode` is empty while a bond holds."""
+"""raw/bonds_*.csv: a row per bond, where it is, or broke; `mode` is empty while a bond holds, `step` counts from when
+bonds were made."""
+
+BOND_COUNTS = ("cycle", "bonds", "bonds_broken_tension", "bonds_broken_shear")
+"""bonds.csv, of runs with bonds: a row per cycle, row 0 before loading; bonds that hold, and broken ones so far."""
+
+BONDS_BROKEN = ("cycle", "x_m", "y_m", "z_m", "mode")
+"""bonds_broken.csv, of runs with bonds: a row per broken bond, the cycle in which it broke (0: preload) and where."""
 
 RAW_LOADING = (
     "step",

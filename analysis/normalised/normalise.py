@@ -15,7 +15,7 @@ import numpy as np
 from analysis import files
 from analysis.formats import file_columns, numbers
 from analysis.formats.growing_csv import CycleTable, Row, RowsByStep
-from analysis.normalised import beds, microstructure, porosity, stages
+from analysis.normalised import beds, bonds, microstructure, porosity, stages
 from analysis.scenarios import derived
 
 
@@ -114,12 +114,12 @@ class Normaliser:
         return row
 
     def rewind(self, n: int) -> None:
-        """Go back to the end of cycle `n`: drop later rows, beds and contacts, which the engine will write again.
+        """Go back to the end of cycle `n`: drop later rows, beds, contacts, bonds; the engine will write them again.
 
         Rows of raw/cyclic.csv and raw/state.csv may stay or be cut: a step that is there twice counts as last written.
         """
         self._begin(n)
-        for path in [*self._raw.glob("bed_cycle_*.csv"), *self._raw.glob("contacts_cycle_*.csv")]:
+        for path in (path for kind in ("bed", "contacts", "bonds") for path in self._raw.glob(f"{kind}_cycle_*.csv")):
             number = path.stem.rpartition("_")[2]
             later = number.isdigit() and int(number) > n
             spent = (
@@ -139,6 +139,7 @@ class Normaliser:
             self._begin(math.inf)
         if self._done > 0 and self._bed(self._done).exists():
             files.write_aside(self.folder / "bed_after.csv", self._bed(self._done).read_text())
+        bonds.write(self.folder, self.scenario, self._done)
 
     def _begin(self, n: float) -> None:
         """Make the tables end with cycle `n`, or with the last cycle done where that comes first."""

@@ -1,0 +1,61 @@
+"""The parallel bonds of a run: how many hold after each cycle, and when and where the others broke.
+
+An engine keeps broken bonds in its list, with the step in which they broke; its last list therefore tells the whole
+story. Steps count from when the bonds were made, at the start of preload. Cycle 0 is preload.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+from analysis import files
+from analysis.formats import file_columns
+from analysis.formats.errors import InputError
+from analysis.formats.growing_csv import GrowingCsv
+from analysis.scenarios import derived
+
+COUNTS, BROKEN = "bonds.csv", "bonds_broken.csv"
+
+
+def write(folder: Path, scenario, done: int) -> None:
+    """Write bonds.csv and bonds_broken.csv of a run after `done` cycles; nothing where it has no bonds.
+
+    InputError naming the raw file that is damaged.
+    """
+    raw = Path(folder) / "raw"
+    lists = [raw / "bonds_preloaded.csv", *(raw / f"bonds_cycle_{n:06d}.csv" for n in range(1, done + 1))]
+    present = [path for path in lists if path.exists()]
+    if derived.bond(scenario) is None or not present:
+        return
+    rows = _read(present[-1])
+    preload = max(
+        (int(row["step"]) for row in GrowingCsv(raw / "state.csv").new_rows() if row["stage"] == "preload"), default=0
+    )
+    per_cycle = derived.time_grid(scenario).steps_per_cycle
+    broken = []
+    for row in rows:
+        if row["broken"] == "1":
+            cycle = max(0, math.ceil((int(row["step"]) - preload) / per_cycle))
+            broken.append((cycle, row["x_m"], row["y_m"], row["z_m"], row["mode"]))
+    broken.sort(key=lambda row: row[0])
+    _write(folder / BROKEN, file_columns.BONDS_BROKEN, broken)
+    counts = []
+    for cycle in range(done + 1):
+        modes = [row[-1] for row in broken if row[0] <= cycle]
+        counts.append((cycle, len(rows) - len(modes), modes.count("tension"), modes.count("shear")))
+    _write(folder / COUNTS, file_columns.BOND_COUNTS, counts)
+
+
+def _read(path: Path) -> list[dict[str, str]]:
+    with open(path, newline="", encoding="ascii") as file:
+        reader = csv.DictReader(file)
+        if tuple(reader.fieldnames or ()) != file_columns.BONDS:
+            raise InputError(f"raw/{path.name}", "line 1:", allowed=f"expected {','.join(file_columns.BONDS)}")
+        return list(reader)
+
+
+def _write(path: Path, columns: tuple[str, ...], rows) -> None:
+    text = file_columns.header(columns) + "".join(",".join(map(str, row)) + "\n" for row in rows)
+    files.write_aside(path, text)
