@@ -251,7 +251,7 @@ OWN_MODELS = (
     ("restitution", "`en` = e_n, `es` = 1", "`coefficientRestitution` = e_n"),
     ("friction", "`frictAngle` = atan(mu)", "`coefficientFriction` = mu"),
     ("slip limit", "with the dashpot's force", "with the dashpot's force"),
-    ("shear force", "in increments of force", "shear displacement times the present stiffness"),
+    ("shear force", "in increments of force", "shear displacement times the present stiffness; kept while apart"),
     ("eq. 3, share of the closing step", "none", "none"),
     ("relative velocity", "without granular ratcheting", "of the contact point"),
 )

@@ -164,11 +164,11 @@ def forces_along(
     shear displacement `sliding` (m, along one line) in each step, shape (n,). The approach speed is the closing speed
     in the step in which the contact forms. Both forces are zero while apart, and the history is lost.
     Not the paper's law, but what other codes do: `closing_scaled=False` leaves eq. 3 out, `slip_by_total=True` counts
-    the dashpot in eq. 4, `by_displacement=True` keeps the shear displacement and multiplies it by the present
-    stiffness.
+    the dashpot in eq. 4, `by_displacement=True` keeps the shear displacement, over a separation too, and multiplies it
+    by the present stiffness.
     """
     normal, shear = np.zeros(len(sliding)), np.zeros(len(sliding))
-    force, approach = 0.0, 0.0
+    force, approach, shift = 0.0, 0.0, 0.0
     for n, (old, now, speed, slid) in enumerate(zip(overlap[:-1], overlap[1:], closing_speed, sliding, strict=True)):
         if now <= 0:
             force = 0.0
@@ -179,11 +179,12 @@ def forces_along(
                 slid = slid * laws.closing_share(now, old)
         normal[n] = law.normal(now, speed, approach)
         stiffness = law.shear_slope(now)
-        if by_displacement and n > 0 and old > 0:
-            force *= stiffness / law.shear_slope(old)
+        if by_displacement:
+            force = -stiffness * shift
         trial = laws.trial_shear_force([force], stiffness, [slid])
         limiting = abs(normal[n]) if slip_by_total else law.elastic(now)
         shear[n] = force = float(laws.slip(trial, laws.shear_strength(law.friction, limiting))[0])
+        shift = -force / stiffness
     return normal, shear
 
 
