@@ -44,7 +44,7 @@ def test_bonds_go_through_a_checkpoint_bit_for_bit(code, packed, bonded_scenario
     """Two cycles in one go, and one cycle that is extended by another: the same files, bonds and breaks included."""
     whole = go(code, tmp_path / "whole", bonded_scenarios, "--bed", packed, "--cycles", 2)
     parts = go(code, tmp_path / "parts", bonded_scenarios, "--bed", packed, "--cycles", 1)
-    go(code, tmp_path / "parts", bonded_scenarios, "--cycles", 2)
+    go(code, tmp_path / "parts", bonded_scenarios, "--bed", packed, "--cycles", 2)
     assert results_of(parts) == results_of(whole)
     for name in ("bonds_cycle_000002.csv", "contacts_cycle_000002.csv", "cyclic.csv"):
         assert (parts / "raw" / name).read_bytes() == (whole / "raw" / name).read_bytes(), name

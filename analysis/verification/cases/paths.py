@@ -110,8 +110,8 @@ class Paths:
             reason, tolerance = "oracle with YADE's own law: no eq. 3, dashpot's force in the slip limit", 0.005
         if stock and self.code == "liggghts":
             reason = (
-                "oracle with LIGGGHTS' own law: shear as displacement, which outlives a separation, no eq. 3, dashpot's "
-                "force in the slip limit"
+                "oracle with LIGGGHTS' own law: shear as displacement, which outlives a separation, no eq. 3, "
+                "dashpot's force in the slip limit"
             )
         results.compare_curves(self.name, f"normal_force_N of {name}", normal_force, measured_normal, tolerance, reason)
         results.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
