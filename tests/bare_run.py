@@ -11,12 +11,8 @@ from analysis.formats.run_record import RunRecord, Timing
 from analysis.scenarios.scenario import Scenario
 
 
-def write_run(folder: Path, scenario: Scenario, code: str, rows: list[dict], speed: float = 0.0, **changes) -> Path:
-    """Write the folder of a run with these rows of cycles.csv (columns that a row lacks are 0).
-
-    `speed` in steps per second of the cyclic stage; `changes` to the record.
-    """
-    folder.mkdir(parents=True)
+def bare_record(scenario: Scenario, code: str, speed: float = 0.0, **changes) -> RunRecord:
+    """run.json of a finished run; `speed` in steps per second of the cyclic stage, `changes` to the record."""
     now = provenance.now()
     record = RunRecord(
         scenario=scenario.name,
@@ -42,7 +38,13 @@ def write_run(folder: Path, scenario: Scenario, code: str, rows: list[dict], spe
         resumes=[],
         timing=Timing(start=now, steps_per_second={"cyclic": speed}, pid=1, host="here", heartbeat=now),
     )
-    dataclasses.replace(record, **changes).write(folder)
+    return dataclasses.replace(record, **changes)
+
+
+def write_run(folder: Path, scenario: Scenario, code: str, rows: list[dict], **changes) -> Path:
+    """Write the folder of a run with these rows of cycles.csv (columns that a row lacks are 0) and such a record."""
+    folder.mkdir(parents=True)
+    bare_record(scenario, code, **changes).write(folder)
     (folder / "scenario.json").write_text(scenario.to_json())
     lines = [",".join(str(row.get(name, 0.0)) for name in CYCLES) + "\n" for row in rows]
     (folder / "cycles.csv").write_text(header(CYCLES) + "".join(lines))

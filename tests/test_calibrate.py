@@ -4,6 +4,7 @@ import math
 import shutil
 
 import pytest
+from bare_run import bare_record
 from synthetic import write_run
 
 from analysis.__main__ import main as ballast
@@ -105,8 +106,8 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
 def test_a_bed_that_failed_is_not_tried_again_but_its_packing_is_known(tmp_path, capsys):
     scenario = load_scenario("linear-mu0.8", "demo", cycles=3)
     where = tmp_path / f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
-    reason = {"state": "failed", "reason": "loads not met"}
-    folder = write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1, info=reason)
+    folder = write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1)
+    bare_record(scenario, "liggghts", state="failed", reason="loads not met").write(folder)
     (folder / "stages.json").unlink()
     (folder / "raw").mkdir(exist_ok=True)
     shutil.copy(folder / "bed_before.csv", folder / "raw" / "bed_packed.csv")
