@@ -6,6 +6,7 @@ import json
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -22,6 +23,8 @@ NORMALISED = ("cycles.csv", "history.csv", "microstructure.csv", "stages.json", 
 
 def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:
     """Start the driver; its output is kept in pipes as text."""
+    # Also where the tests run under `nohup`, which would be inherited.
+    options.setdefault("preexec_fn", lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
     return subprocess.Popen(
         [*driver, *map(str, arguments)], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
     )

@@ -77,15 +77,16 @@ def load_row(step: int, x: float) -> None:
 
 
 def bed(label: str, x: float) -> None:
-    poses = "".join(f"{k},{0.1 * k + 0.01 * x},0.02,0.1,1.0,0.0,0.0,0.0\n" for k in (1, 2))
+    poses = "".join(f"{k},{0.06 + 0.03 * k + 0.01 * x},0.02,0.1,1.0,0.0,0.0,0.0\n" for k in (1, 2))
     write_aside(raw / f"bed_{label}.csv", "id,x_m,y_m,z_m,qw,qx,qy,qz\n" + poses)
 
 
-def contacts(label: str) -> None:
+def contacts(label: str, x: float) -> None:
+    """The one contact, midway between the two clumps: further off it would make the critical step too small."""
     write_aside(
         raw / f"contacts_{label}.csv",
         "clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding\n"
-        "1,2,0.1,0.02,0.1,1,0,0,1e-6,10,1,0\n",
+        f"1,2,{0.105 + 0.01 * x},0.02,0.1,1,0,0,1e-6,10,1,0\n",
     )
 
 
@@ -119,7 +120,7 @@ if stage != "cyclic":
         if stop:
             sys.exit(75)
     label = {"packing": "packed", "preload": "preloaded"}[stage]
-    contacts(label)
+    contacts(label, x)
     bed(label, x)
     if stage == "preload":
         save("cyclic_000000", 0, 0, x)
@@ -143,7 +144,7 @@ while cycle < scenario["loading.cycles"]:
     cycle, block = cycle + 1, 0
     bed(f"cycle_{cycle:06d}", x)
     if cycle in scenario["output.keep_beds"] or cycle == scenario["loading.cycles"]:
-        contacts(f"cycle_{cycle:06d}")
+        contacts(f"cycle_{cycle:06d}", x)
     if cycle % scenario["output.checkpoint_cycles"] == 0 or cycle == scenario["loading.cycles"]:
         save(f"cyclic_{cycle:06d}", cycle, 0, x)
     if stop:
