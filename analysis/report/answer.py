@@ -142,3 +142,24 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "claims": claim_counts(found.verdicts).to_dict("records"),
         "agreement_limit": agreement["within_ratio"].max() if len(agreement) else math.nan,
     }
+
+
+def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
+    """What templates/engineer.txt needs: stiffness, overlaps, clumps and losses of the key scenarios, in LIGGGHTS."""
+    values = only(found.values, profile=profile, code="liggghts")
+    values = values[values["scenario"].isin(key_scenarios)]
+
+    def ranges(quantity: str) -> pd.DataFrame:
+        rows = values[values["quantity"] == quantity]
+        return rows.groupby(["scenario", "reading"], sort=False).agg(low=("low", "min"), high=("high", "max"))
+
+    overlaps = ranges("overlap_max_ratio")["high"].groupby("scenario", sort=False).max()
+    clumps = only(found.coverage, profile=profile)["clumps"]
+    return {
+        "code": "liggghts",
+        "outcomes": list(outcomes(found, key_scenarios, profile).values()),
+        "stiffness": dict(ranges("secant_stiffness_N_m").iterrows()),
+        "overlaps": list(overlaps.items()),
+        "clumps": [int(clumps.min()), int(clumps.max())] if len(clumps) else [],
+        "energy": ranges("loop_energy_J").reset_index().to_dict("records"),
+    }

@@ -101,7 +101,8 @@ def build(
         run.id = f"kept/{run.id}"
     chosen, left_out = choose([*load_runs(results), *kept])
     chosen = Runs(sorted(chosen, key=_order()))
-    verification, problems = verification_rows(out)
+    verified = out if (out / "verification.csv").exists() else kept_runs.parent / "verification"
+    verification, problems = verification_rows(verified)
     for line in problems:
         print(f"warning: {line}", file=sys.stderr)
     stamp = version_stamp()
@@ -115,7 +116,7 @@ def build(
         references,
         gallery,
         verification,
-        out / "verification",
+        verified / "verification",
         problems,
         shown_path(results),
         kept_runs,

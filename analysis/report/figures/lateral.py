@@ -42,7 +42,9 @@ def lateral_figure(
     pending = pending_names(g.references, "lateral_displacement", scenarios) if references else []
     drawn = []
     for cycle in cycles:
-        c = style.canvas(f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}")
+        c = style.canvas(
+            f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}", width=3.7, height=3.1
+        )
         c.leaders = False
         frames = []
         for curve in curves:

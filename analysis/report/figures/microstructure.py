@@ -22,7 +22,7 @@ def microstructure_figure(
     curves = [curve for curve in g.curves(runs) if len(curve.main.microstructure)]
     drawn = []
     for column, label, factor, unit in quantities:
-        c = style.canvas(f"{name}-{column}", label, height=2.7)
+        c = style.canvas(f"{name}-{column}", label, width=3.7, height=2.6)
         for curve in curves:
             seeds = curve.seeds(column, "microstructure")
             draw(c, curve, curve.column(column, "microstructure"), factor, seeds=seeds)

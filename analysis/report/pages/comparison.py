@@ -12,7 +12,7 @@ from analysis.comparison.findings.agreement import COMPARED
 from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, member
 from analysis.formats.numbers import plural
 from analysis.report.agreement_tables import agreement_table, same_bed_table
-from analysis.report.answer import only, states
+from analysis.report.answer import engineer, only, states
 from analysis.report.figures.agreement import scatter_figure
 from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
@@ -20,6 +20,7 @@ from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.figures.same_bed import same_bed_figure
 from analysis.report.labels import MM, READING_NAMES, short_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, key_runs, name_of
+from analysis.report.sentences import lines
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, number, shown
 from analysis.scenarios.scenario import join_id, split_id
@@ -67,6 +68,7 @@ def comparison(data: ReportData) -> dict:
             "Kinetic energy and unbalanced ratio say how far from rest the bed still is at minimum load.",
             MICROSTRUCTURE,
         ),
+        "engineer": lines("engineer.txt", **engineer(found, KEY_SCENARIOS, profile)),
         "cost": cost_table(only(found.computing_time, profile=profile)),
     }
 
