@@ -33,6 +33,7 @@ COMMANDS = {  # name: module, purpose
 def main(argv: list[str] | None = None) -> int:
     """One parser with a sub-command for each module, of which only the chosen one is imported, to start quickly."""
     argv = sys.argv[1:] if argv is None else argv
+    os.environ.pop("MPLBACKEND", None)  # a notebook's: figures are files, and an unknown one ends matplotlib's import
     parser = Parser(prog="ballast", description="Ballast under cyclic load, in YADE and LIGGGHTS.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, title="commands")
     chosen = next((word for word in argv if not word.startswith("-")), None)

@@ -2,12 +2,16 @@
 
 import base64
 import json
+import os
 import re
 import struct
+import subprocess
+import sys
 import warnings
 import xml.etree.ElementTree as xml
 from html.parser import HTMLParser
 
+import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
@@ -395,6 +399,16 @@ def test_command_prints_one_line_for_a_scenario_file_that_cannot_be_used(tmp_pat
     monkeypatch.setattr(report, "build", refuse)
     assert report.main(["--results", str(tmp_path), "--out", str(tmp_path / "r")]) == 1
     assert capsys.readouterr().err == "report: scenarios.toml: base.x is refused; allowed: y\n"
+
+
+def test_a_notebooks_matplotlib_does_not_reach_the_report(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("axes.facecolor: yellow\nfont.size: 30\n")
+    own = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": str(tmp_path)}
+    command = [sys.executable, "-m", "analysis", "report", "--help"]
+    done = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, cwd=report.ROOT)
+    assert done.returncode == 0 and done.stderr == ""
+    with matplotlib.rc_context({"axes.facecolor": "yellow", "font.size": 30}), style.settings():
+        assert matplotlib.rcParams["axes.facecolor"] == "none" and matplotlib.rcParams["font.size"] == 9
 
 
 # ------------------------------------------------------------------ words and colours

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import matplotlib
+import matplotlib.style
 import numpy as np
 import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -45,41 +46,7 @@ OTHER_STYLE = {"linestyle": (0, (1, 1.2)), "marker": "D"}
 PANEL_WIDTH, PANEL_HEIGHT = 4.7, 3.35
 """Inches. A panel is legible on a phone at full width; pages set panels side by side where there is room."""
 STAMP_HEIGHT = 0.30
-RC = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans", "Helvetica", "Arial", "sans-serif"],
-    "font.size": 9,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.labelsize": 9,
-    "xtick.labelsize": 8.5,
-    "ytick.labelsize": 8.5,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "text.color": INK,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": SOFT,
-    "xtick.color": SOFT,
-    "ytick.color": SOFT,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": SOFT,
-    "grid.alpha": 0.22,
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.linewidth": 0.8,
-    "lines.linewidth": 1.5,
-    "lines.markersize": 4.0,
-    "svg.fonttype": "none",
-    "figure.facecolor": "none",
-    "axes.facecolor": "none",
-    "savefig.facecolor": "none",
-    "mathtext.default": "regular",
-}
+LOOK = Path(__file__).with_name("report.mplstyle")
 
 
 def _mix(colour: str, other: str, share: float) -> str:
@@ -116,8 +83,8 @@ def colour_variables() -> dict[str, tuple[str, str]]:
 
 
 def settings() -> AbstractContextManager:
-    """The context in which panels are drawn and saved."""
-    return matplotlib.rc_context(RC)
+    """The context in which panels are drawn and saved: the user's own settings of matplotlib do not reach it."""
+    return matplotlib.style.context(LOOK, after_reset=True)
 
 
 @dataclass(frozen=True)
