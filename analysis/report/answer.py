@@ -119,7 +119,8 @@ def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     each = table.drop_duplicates(["number", "code", "reading"])
     grouped = each.groupby(["code", "reading", "verdict"], sort=True)["number"]
     counted = grouped.agg(claims="count", numbers=lambda n: ", ".join(str(v) for v in sorted(n)))
-    return counted.reset_index()
+    rank = {reading: n for n, reading in enumerate(READINGS)}
+    return counted.reset_index().sort_values("reading", key=lambda column: column.map(rank), kind="stable")
 
 
 def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:

@@ -4,6 +4,7 @@ yardstick.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable
 
@@ -11,6 +12,7 @@ import pandas as pd
 
 from analysis.comparison.findings.members import Member
 from analysis.comparison.quantities import last_cycle
+from analysis.scenarios.scenario import ScenarioError, load_scenario
 
 CYCLE = 20
 """After which influences are compared; after fewer where a pair has fewer."""
@@ -46,7 +48,7 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
     rows = []
     for m in found:
         base = plain.get((*m.key, m.run.seed))
-        if base is None or m.run.scenario is None or not m.others or m.others == ("same-bed",) or not m.own_bed:
+        if base is None or not m.others or not m.own_bed or not one_thing_changed(base, m):
             continue
         cycle = min(CYCLE, last_cycle(m.run), last_cycle(base.run))
         for quantity, unit, function in (
@@ -78,6 +80,25 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
     table = pd.DataFrame(rows, columns=INFLUENCE)
     size = table["change_ratio"].abs()
     return table.assign(size=size).sort_values("size", ascending=False, kind="stable").drop(columns="size")
+
+
+def one_thing_changed(base: Member, varied: Member) -> bool:
+    """True where two runs differ in nothing but what the variant of the scenario file says: not in an older time
+    step.
+    """
+    if base.run.scenario is None or varied.run.scenario is None:
+        return False
+    try:
+        wanted = _changed(base.run.scenario_name, varied.run.scenario_name, base.run.profile)
+    except ScenarioError:
+        return False
+    return set(base.run.scenario.changed_keys(varied.run.scenario)) <= wanted
+
+
+@functools.cache
+def _changed(base: str, varied: str, profile: str) -> frozenset[str]:
+    one, other = (load_scenario(name, profile) for name in (base, varied))
+    return frozenset(one.changed_keys(other))
 
 
 def at(run, cycle: int, column: str) -> float:

@@ -24,19 +24,25 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         return None
     x = np.geomspace(0.01, 30, 200)
     drawn = []
-    for name, law, column, label in (
-        ("amplitude", servo.amplitude_ratio, "amplitude_ratio", "amplitude of stress over that asked for"),
-        ("lag", servo.lag, "lag_rad", "lag of the stress, degrees"),
+    for name, law, column, constant, label in (
+        (
+            "amplitude",
+            servo.amplitude_ratio,
+            "amplitude_ratio",
+            "predicted_time_constant_s",
+            "amplitude of stress over that asked for",
+        ),
+        ("lag", servo.lag, "lag_rad", "time_constant_s", "lag of the stress, degrees"),
     ):
         factor = 1.0 if name == "amplitude" else 180 / math.pi
         c = style.canvas(f"servo-{name}", f"{label} against the servo's time constant, law and runs", right=1.2)
         c.axes.plot(x, [factor * law(v) for v in x], color=SOFT, linewidth=1.4)
         c.labels.append((x[-1], factor * law(x[-1]), "first-order filter", SOFT))
         for model, (hue, marker) in MARKS.items():
-            part = table[(table["law"] == model) & table["predicted_time_constant_s"].notna()]
+            part = table[(table["law"] == model) & table[constant].notna() & table[column].notna()]
             if part.empty:
                 continue
-            at = 2 * math.pi * 20 * part["predicted_time_constant_s"]
+            at = 2 * math.pi * 20 * part[constant]
             c.axes.plot(at, factor * part[column], marker, color=style.shade(hue), markersize=5, markerfacecolor="none")
             c.labels.append(
                 (
@@ -47,15 +53,20 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
                 )
             )
         c.axes.set_xscale("log")
-        c.axes.set(xlabel="2π × 20 Hz × predicted time constant", ylabel=label)
+        c.axes.set(
+            xlabel=f"2π × 20 Hz × time constant, {'predicted' if name == 'amplitude' else 'from the amplitude'}",
+            ylabel=label,
+        )
         c.table = table
         drawn.append(c)
     return g.finish(
         "servo-filter",
         "PFC's servo is a first-order filter",
-        "Grey: what such a filter passes of a 20 Hz load. Marks: each run by the servo, measured over its last "
-        "five cycles, "
-        "at the time constant that is predicted for it from the contact stiffness of other runs.",
+        "Grey: what such a filter passes of a 20 Hz load, and how late. Marks: each run by the servo, measured "
+        "over its last "
+        "five cycles. Left: at the time constant that is predicted for it from the contact stiffness of other "
+        "runs. Right: "
+        "at the time constant that its own amplitude gives, so that nothing is fitted but the lag follows.",
         drawn,
         [],
     )
