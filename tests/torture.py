@@ -142,6 +142,7 @@ def torment(code: str, scenario: str, options: argparse.Namespace, work: Path) -
         tormentor = Tormentor(REAL, [*common, "--results", disturbed], folder, expected, moments, longest_s)
         tormentor.until_done(options.times - done.total())
         done += tormentor.done
+        print(f"{scenario} {code}: {tormentor.report() or 'ended before it was disturbed'}: same files", flush=True)
     return f"{done.total()} disturbances ({', '.join(f'{n} {what}' for what, n in sorted(done.items()))}): same files"
 
 
