@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view keep verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view unload keep verify impact mutations sanitize reference calibrate bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -77,6 +77,8 @@ readme: $(STAMP) ## the README's section on results, from the kept runs
 	@$(ANALYSIS) readme
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
 	@$(ANALYSIS) view --code="$$CODE" --profile="$$PROFILE" --seed="$$SEED" --results="$$RESULTS" -- "$$SCENARIO$${VARIANT:++$$VARIANT}"
+unload: setup ## how much of a run's settlement springs back under its least load: make unload SCENARIO=... PROFILE=full
+	@$(ANALYSIS) unload $(WHICH) -- "$$SCENARIO"
 keep: $(STAMP) ## put a run's normalised results into the repository: make keep SCENARIO=... CODE=... PROFILE=full
 	@$(ANALYSIS) keep $(WHICH) -- "$$SCENARIO"
 reference: $(STAMP) ## the reference curves and their state

@@ -16,6 +16,7 @@ COMMANDS = {  # name: module, purpose
     "study": ("driver.study", "the list of the study's runs, or one of them"),
     "status": ("driver.status", "list all runs"),
     "keep": ("driver.keep", "put a run's normalised results into the repository"),
+    "unload": ("driver.unload", "how much of a run's settlement springs back, measured on a copy"),
     "delete": ("driver.delete", "delete one run, after asking"),
     "report": ("report.build", "rebuild the report from the runs that exist"),
     "findings": ("report.export", "what the runs say, as CSV tables"),

@@ -17,7 +17,7 @@ from analysis.formats.run_record import RunRecord
 
 KEPT = ROOT / "reference_data" / "runs"
 NEEDED = ("run.json", "scenario.json", "stages.json")
-FILES = (*NEEDED, "cycles.csv", "microstructure.csv", "bonds.csv", "bonds_broken.csv")
+FILES = (*NEEDED, "cycles.csv", "microstructure.csv", "unload.csv", "bonds.csv", "bonds_broken.csv")
 
 
 class KeepError(ValueError):

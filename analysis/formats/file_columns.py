@@ -18,6 +18,7 @@ __all__ = [
     "RAW_LOADING",
     "RAW_STATE",
     "SPHERES",
+    "UNLOAD",
 ]
 __all__ += ["header"]
 
@@ -118,6 +119,9 @@ RAW_LOADING = (
     *(f"plate_{k}_{what}" for k in PLATES for what in ("stress_Pa", "stress_mean_Pa", "displacement_m")),
 )
 """raw/preload.csv and raw/cyclic.csv: output.rows_per_cycle rows per cycle."""
+
+UNLOAD = ("cycle", "stress_before_Pa", "settlement_before_m", "stress_after_Pa", "settlement_after_m")
+"""unload.csv: a row per cycle after which a copy of the run was unloaded slowly to the least stress."""
 
 RAW_STATE = (
     "stage",

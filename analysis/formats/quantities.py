@@ -109,6 +109,22 @@ _ROWS = (
         1,
         "share of a measurement sphere's volume that no clump fills; sleeper and plates are left out of the volume",
     ),
+    Quantity("bonds", "-", "bonds that hold", 0, 1e8, "number of parallel bonds between clumps that hold"),
+    Quantity("bonds_broken_tension", "-", "bonds broken in tension", 0, 1e8, "since they were made"),
+    Quantity("bonds_broken_shear", "-", "bonds broken in shear", 0, 1e8, "since they were made"),
+    Quantity("stress_before_Pa", "Pa", "stress before unloading", -1e9, 1e9, "on the sleeper, at the end of the cycle"),
+    Quantity("settlement_before_m", "m", "settlement before unloading", -10, 10, "at the end of the cycle"),
+    Quantity(
+        "stress_after_Pa", "Pa", "stress after unloading", -1e9, 1e9, "on the sleeper, slowly brought to its least"
+    ),
+    Quantity(
+        "settlement_after_m",
+        "m",
+        "settlement after unloading",
+        -10,
+        10,
+        "what stays when the load is slowly at its least",
+    ),
     Quantity(
         "sleeper_stress_min_Pa", "Pa", "least stress on the sleeper", -1e9, 1e9, "smallest row mean within the cycle"
     ),

@@ -16,6 +16,7 @@ import pandas as pd
 
 from analysis.comparison.findings.members import SERVO, Member
 from analysis.comparison.quantities import last_cycle
+from analysis.formats.file_columns import UNLOAD
 from analysis.scenarios import derived
 
 LAST_CYCLES = 5
@@ -50,9 +51,7 @@ SERVO_COLUMNS = (
 ELASTIC_COLUMNS = ("run", "scenario", "reading", "code", "cycle", "settlement_m", "elastic_m", "permanent_m", "how")
 
 UNLOAD_FILE = "unload.csv"
-"""What comes back when the load is taken slowly to the least stress on a copy of a run: columns UNLOAD."""
-
-UNLOAD = ("cycle", "stress_before_Pa", "settlement_before_m", "stress_after_Pa", "settlement_after_m")
+"""What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`): columns UNLOAD."""
 
 
 def amplitude_ratio(omega_tau: float) -> float:

@@ -1,0 +1,35 @@
+"""Unloading of a copy: what of a settlement is elastic."""
+
+import csv
+import hashlib
+
+import pytest
+
+from analysis.driver.unload import UnloadError, unload
+from analysis.formats.file_columns import UNLOAD
+
+
+def contents(folder):
+    """Checksums of all files of a run."""
+    return {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_an_unloaded_copy_springs_back_and_the_run_stays_as_it_is(undisturbed):
+    folder = undisturbed("nonlinear-en1.0", "liggghts")
+    before = contents(folder)
+    row = unload(folder, "liggghts", seed=1)
+    assert contents(folder) == before
+    with open(folder / "cycles.csv", newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    assert tuple(row) == UNLOAD and row["cycle"] == int(last["cycle"])
+    assert row["settlement_before_m"] == pytest.approx(float(last["settlement_m"]), rel=0, abs=1e-12)  # the same row
+    # 5 %: the narrow slice jumps at the end; under the true load the cycle ends at the least stress already
+    assert row["stress_after_Pa"] == pytest.approx(50e3, rel=0.05)
+    assert row["stress_before_Pa"] == pytest.approx(50e3, rel=0.1)
+
+
+def test_what_cannot_be_unloaded_is_refused_in_one_line(undisturbed, tmp_path):
+    with pytest.raises(UnloadError, match="give CODE=liggghts"):
+        unload(undisturbed("linear-mu0.8", "yade"), "yade", seed=1)
+    with pytest.raises(UnloadError, match="there is no run"):
+        unload(tmp_path, "liggghts", seed=1)
