@@ -1,9 +1,12 @@
 """Every format under 300 random damages: the reader accepts it, or refuses it in one line. No traceback, ever."""
 
+import gzip
+import json
 import random
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
@@ -15,7 +18,8 @@ from analysis.formats.quantities import QUANTITIES
 from analysis.formats.run_record import RunRecord
 from analysis.normalised import beds, microstructure, stages
 from analysis.normalised.frames import read_table
-from analysis.scenarios import derived
+from analysis.reference.curves import load_references
+from analysis.scenarios import cost, derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
 from analysis.verification.impact import read_impact
@@ -100,8 +104,6 @@ def test_beds_to_start_from(tmp_path):
 
 def test_packed_beds(run, tmp_path):
     """Damage within the compressed file: torn, flipped, garbage."""
-    import gzip
-
     path = tmp_path / "bed.csv.gz"
     path.write_bytes(gzip.compress((run / "bed_before.csv").read_bytes(), mtime=0))
     assert fuzz(path, OF_TABLES, bed_file.read) > MUTATIONS / 2
@@ -170,12 +172,139 @@ def test_impact_files(tmp_path):
     assert fuzz(path, OF_TEXTS, lambda path: read_impact(path).probe()) > MUTATIONS / 4
 
 
-@pytest.fixture
-def references(tmp_path):
-    """A folder of one digitised figure, as WebPlotDigitizer leaves it."""
-    source = tmp_path / "indraratna2013"
-    shutil.copytree(ROOT / "reference_data" / "indraratna2013", source)
-    for other in source.glob("*.toml"):
-        if other.name != "settlement.toml":
-            other.unlink()
+SIDECAR = """
+source = "indraratna2013"
+figure = "made up"
+kind = "experiment"
+status = "digitised"
+licence = "none"
+files = ["{file}"]
+digitised_by = "A. Tester"
+date = 2026-03-01
+method = "synthetic"
+error = {{ value = 0.2, unit = "mm", source = "made up" }}
+curves = [{{ dataset = "experiment" }}]
+[axes.x]
+quantity = "cycle"
+unit = "-"
+range = [0, 1000]
+[axes.y]
+quantity = "settlement"
+unit = "mm"
+range = [0, 20]
+reversed = false
+"""
+POINTS = [(1, 2.0), (10, 5.0), (100, 9.0), (500, 11.5), (1000, 12.5)]
+CURVES = {
+    "settlement.csv": "".join(f"{x}, {y}\n" for x, y in POINTS),
+    "wpd.json": json.dumps(
+        {
+            "axesColl": [{"name": "XY", "type": "XYAxes", "calibrationPoints": []}],
+            "datasetColl": [{"name": "experiment", "axesName": "XY", "data": [{"value": p} for p in POINTS]}],
+        }
+    ),
+}
+
+
+def references(folder, file):
+    """A source with one digitised curve, as WebPlotDigitizer leaves it in `file`."""
+    source = folder / "indraratna2013"
+    source.mkdir()
+    shutil.copy(ROOT / "reference_data" / "indraratna2013" / "reference.bib", source)
+    (source / "settlement.toml").write_text(SIDECAR.format(file=file))
+    (source / file).write_text(CURVES[file])
+    found = load_references(folder)
+    assert found.problems == [] and len(found.curves) == len(POINTS)
     return source
+
+
+@pytest.mark.parametrize("file, name", [("settlement.csv", "settlement.toml"), *((f, f) for f in CURVES)])
+def test_reference_sidecars_and_curves(tmp_path, file, name):
+    path = references(tmp_path, file) / name
+    good, refused = path.read_bytes(), 0
+    kinds = OF_TABLES if name.endswith(".csv") else OF_TEXTS
+    for case in range(MUTATIONS):
+        path.write_bytes(damaged(good, random.Random(f"{name} {case}"), kinds))
+        found = load_references(tmp_path)
+        refused += bool(found.problems)
+        assert all(line.isprintable() and len(line) < 700 for line in found.problems), (case, found.problems)
+        values = found.curves[["value", "error"]].to_numpy(dtype=float)
+        assert np.isfinite(values).all() and (abs(values) < 1).all(), case
+    assert refused > MUTATIONS / 3
+    assert sorted(p.name for p in path.parent.iterdir()) == sorted({"reference.bib", "settlement.toml", file})
+
+
+@pytest.mark.parametrize(
+    "edit, said",
+    [
+        (lambda s: s.replace("value = 0.2", "value = nan"), "error.value = NaN is refused"),
+        (lambda s: s.replace("2026-03-01", '"2026-13-45"'), 'date = "2026-13-45" is refused'),
+        (lambda s: s.replace("2026-03-01", '"9999-01-01"'), 'date = "9999-01-01" is refused'),
+        (lambda s: s.replace("1000", "1" * 5000), "is not valid TOML"),
+        (lambda s: "x = " + "[" * 5000 + "]" * 5000 + s, "is not valid TOML: is nested too deep"),
+        (lambda s: "a." * 3000 + "a = 1" + s, "is nested deeper"),
+    ],
+)
+def test_nothing_absurd_is_accepted_from_a_sidecar(tmp_path, edit, said):
+    path = references(tmp_path, "settlement.csv") / "settlement.toml"
+    path.write_text(edit(path.read_text()))
+    (problem, *_) = load_references(tmp_path).problems
+    assert problem.startswith("indraratna2013/settlement.toml: ") and said in problem
+
+
+@pytest.mark.parametrize("kind", ["folder", "dangling link", "Latin-1 bibliography", "huge field", "10^400"])
+def test_odd_files_in_a_source_are_one_line(tmp_path, kind):
+    source = references(tmp_path, "wpd.json" if kind == "10^400" else "settlement.csv")
+    if kind == "folder":
+        (source / "other.toml").mkdir()
+    elif kind == "dangling link":
+        (source / "other.toml").symlink_to(source / "nothing")
+    elif kind == "Latin-1 bibliography":
+        (source / "reference.bib").write_bytes("@article{indraratna2013, author = {Müller}}".encode("latin-1"))
+    elif kind == "huge field":
+        (source / "settlement.csv").write_text('"' + "1" * 200_000 + '", 2\n')
+    else:
+        path = source / "wpd.json"
+        path.write_text(path.read_text().replace("1000", "1" + "0" * 400))
+    problems = load_references(tmp_path).problems
+    assert problems and all(line.isprintable() and len(line) < 400 for line in problems)
+
+
+@pytest.mark.parametrize(
+    "key, value",
+    [
+        ("loading.frequency", "5e-324"),
+        ("time.verified_step", "1e-300"),
+        ("output.rows_per_cycle", str(2**63)),
+        ("load_control.pfc_update_interval", "10" + "0" * 30),
+        ("contact.particle_particle.normal_stiffness", "1e300"),
+        ("contact.particle_particle.normal_stiffness", "1e-300"),
+        ("load_control.sleeper_mass", "1e300"),
+        ("geometry.box_length", "100.0"),
+        ("packing.relax_steps", str(2**63)),
+        ("clump.density", "nan"),
+    ],
+)
+def test_a_number_that_no_bed_has_is_refused(tmp_path, key, value):
+    path = tmp_path / "mine.toml"
+    text = (ROOT / "scenarios.toml").read_text()
+    unit = KEYS[key].unit
+    entry = f'{{ value = {value}, unit = "{unit}", status = "assumed", source = "a test" }}'
+    path.write_text(f'{text}\n[scenario.mine]\ntitle = "mine"\n{key} = {entry}\n')
+    with pytest.raises(InputError, match=rf"mine.toml: scenario.mine.{key}.value = .* is refused; allowed: "):
+        load_scenario("mine", "demo", path)
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"time.verified_step": 1e-9, "time.choice": "verified", "loading.cycles": 10_000_000}, "a run of at most 1e"),
+        ({"packing.lattice_radius": 1e-3, "packing.lattice_gap": 0.0}, "a bed of at most 1,000,000 clumps"),
+    ],
+)
+def test_what_a_run_would_cost_is_checked_before_it_starts(changes, said):
+    scenario = load_scenario("linear-mu0.8", "full")
+    for key, value in changes.items():
+        scenario = scenario.replace("time.step" if key == "time.verified_step" else key, value)
+    assert any(said in allowed for _, allowed in cost.too_much(scenario))
+    assert list(cost.too_much(load_scenario("linear-mu0.8", "full"))) == []

@@ -102,11 +102,11 @@ friction = { value = 0.3, unit = "-" }
 BAD = [
     ('speed = { value = 2.0, unit = "m/s" }', "", "impact.speed is missing"),
     ('unit = "m/s"', 'unit = "mm/s"', '"m/s"'),
-    ("value = 2.0", "value = -2.0", "> 0"),
+    ("value = 2.0", "value = -2.0", ">= 1e-06"),
     ("value = 2.0", 'value = "fast"', "a number"),
     ("value = 60.0", "value = 90.0", "<= 89"),
     ("[0.0, 5.0, 0.0]", "[0.0, 5.0]", "three of them"),
-    ("radius =", "radious =", "the keys"),
+    ("radius =", "radious =", "a known key, perhaps body_1.radius"),
     ("nonlinear-md1-en0.6", "nonlinear", "one of"),
     ('radius = { value = 0.01, unit = "m" }', "radius = 0.01", "value and unit"),
     ('motion = { value = "held", unit = "-" }', 'shear_modulus = { value = 1e7, unit = "Pa" }', "of both bodies"),

@@ -6,6 +6,7 @@ import json
 import os
 
 LONGEST_VALUE = 80
+LONGEST_LINE = 500
 
 
 class InputError(ValueError):
@@ -19,7 +20,8 @@ class InputError(ValueError):
 
     def __init__(self, file: str | os.PathLike, key: str = "", value: object = ..., allowed: str = ""):
         self.file, self.key, self.value, self.allowed = os.fspath(file), key, value, allowed
-        super().__init__(self._line())
+        line = self._line()
+        super().__init__(line if len(line) <= LONGEST_LINE else line[: LONGEST_LINE - 3] + "...")
 
     def _line(self) -> str:
         if not self.key and not self.allowed and self.value is ...:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import difflib
 import json
 import re
-import tomllib
 from dataclasses import dataclass, field, replace
+from datetime import date, timedelta
 from pathlib import Path
 
 import jsonschema
@@ -18,6 +18,8 @@ import numpy as np
 import pandas as pd
 
 from analysis.files import ROOT
+from analysis.formats import toml_file
+from analysis.formats.errors import InputError, reason
 from analysis.reference import webplotdigitizer
 from analysis.reference.webplotdigitizer import Dataset, DigitiserError
 from analysis.scenarios.scenario import load_scenario, scenario_names
@@ -83,6 +85,11 @@ AXIS_SLACK = 0.02  # share of the axis that a point may lie outside of it
 
 LEAST_POINTS = 3
 
+LARGEST_NUMBER = 1e9
+
+EARLIEST = date(2000, 1, 1)
+"""Nobody digitised a figure with WebPlotDigitizer before."""
+
 LEAST_COVER = {"coordinate": 0.1, "value": 0.01}  # share of its axis that a curve spans; less is a wrong unit
 
 MOST_CYCLES_BY_TIME = 1e4  # an axis of seconds that means more cycles is one of cycles
@@ -90,7 +97,7 @@ MOST_CYCLES_BY_TIME = 1e4  # an axis of seconds that means more cycles is one of
 MOST_ERROR = 0.5  # of the value axis
 
 
-class ReferenceError(ValueError):
+class ReferenceError(InputError):
     """Reference data that cannot be used; the message is one line naming file, key and remedy."""
 
 
@@ -266,9 +273,10 @@ def _load(sidecar: Path, head: dict) -> tuple[list[pd.DataFrame], list[dict]]:
 
 def _read_sidecar(sidecar: Path) -> dict:
     try:
-        head = tomllib.loads(sidecar.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ReferenceError(f"{sidecar.name}: is not valid TOML: {error}") from None
+        head = toml_file.read(sidecar, "sidecar")
+    except InputError as error:
+        raise ReferenceError(str(error)) from None
+    _check_numbers(sidecar, head)
     head = json.loads(json.dumps(head, default=str))  # a date becomes its text
     schema = json.loads((REFERENCE_FOLDER / "schema.json").read_text(encoding="utf-8"))
     errors = list(jsonschema.Draft202012Validator(schema).iter_errors(head))
@@ -291,8 +299,30 @@ def _read_sidecar(sidecar: Path) -> dict:
                 f"{sidecar.name}: curves: scenario {curve['scenario']!r} is unknown; use a name of "
                 "scenarios.toml or leave it out"
             )
+    if head["status"] != "pending":
+        _check_date(sidecar, head["date"])
     _check_citation(sidecar, head["source"])
     return head
+
+
+def _check_numbers(sidecar: Path, node, place: str = "") -> None:
+    """Every number of a sidecar is finite and of a size that a figure's axis can have."""
+    for key, child in node.items() if isinstance(node, dict) else enumerate(node):
+        where = f"{place}.{key}" if place else str(key)
+        if isinstance(child, (dict, list)):
+            _check_numbers(sidecar, child, where)
+        elif isinstance(child, (int, float)) and not abs(child) <= LARGEST_NUMBER:
+            raise ReferenceError(sidecar.name, where, child, f"a number up to {LARGEST_NUMBER:g}")
+
+
+def _check_date(sidecar: Path, text: str) -> None:
+    """A day of the calendar, at most one day ahead, for the other side of the world."""
+    try:
+        day = date.fromisoformat(text)
+    except ValueError:
+        raise ReferenceError(sidecar.name, "date", text, 'a day, as "2026-03-01"') from None
+    if not EARLIEST <= day <= date.today() + timedelta(days=1):
+        raise ReferenceError(sidecar.name, "date", text, f"a day from {EARLIEST} to today")
 
 
 def _place(error: jsonschema.ValidationError) -> str:
@@ -332,8 +362,17 @@ def _check_citation(sidecar: Path, source: str) -> None:
 
 
 def citation_keys(bibliography: Path) -> list[str]:
-    """Keys of all entries of a BibTeX file."""
-    return re.findall(r"^@\w+\{\s*([^,\s]+)\s*,", bibliography.read_text(encoding="utf-8"), re.MULTILINE)
+    """Keys of all entries of a BibTeX file; ReferenceError where it is no text in UTF-8."""
+    try:
+        text = bibliography.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise ReferenceError(
+            bibliography.name, f"line {line}", allowed="is not UTF-8; save the file as UTF-8"
+        ) from None
+    except OSError as error:
+        raise ReferenceError(bibliography.name, allowed=f"cannot be read ({reason(error)})") from None
+    return re.findall(r"^@\w+\{\s*([^,\s]+)\s*,", text, re.MULTILINE)
 
 
 def _axes(sidecar: Path, head: dict) -> tuple[str, str]:

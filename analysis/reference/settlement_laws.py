@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from analysis.formats import toml_file
 from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
 
 
@@ -37,9 +37,9 @@ def settlement_laws(folder: Path = REFERENCE_FOLDER) -> list[SettlementLaw]:
     """The laws of settlement_laws/laws.toml, checked."""
     path = Path(folder) / "settlement_laws" / "laws.toml"
     try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8"))["law"]
+        entries = toml_file.read(path)["law"]
         laws = [SettlementLaw(**(e | {"source": tuple(e["source"])})) for e in entries]
-    except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ReferenceError(
             f"{path.name}: cannot be used ({error}); each [[law]] has id, label, form, coefficient, "
             "source, status and note"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from analysis.formats import toml_file
 from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
 
 
@@ -57,7 +57,7 @@ def settlement_shapes(folder: Path = REFERENCE_FOLDER) -> SettlementShapes:
     """The shapes of settlement_shapes/shapes.toml, checked; raises ReferenceError with one line."""
     path = Path(folder) / "settlement_shapes" / "shapes.toml"
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = toml_file.read(path)
         shapes = tuple(
             SettlementShape(
                 entry["id"],
@@ -70,7 +70,7 @@ def settlement_shapes(folder: Path = REFERENCE_FOLDER) -> SettlementShapes:
             for entry in content["shape"]
         )
         found = SettlementShapes(shapes, **content["about"])
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ReferenceError(
             f"{path.name}: cannot be used ({error}); [about] has quantity, status, provenance, weakness, decides and "
             "cannot_decide, each [[shape]] id, label, source, condition, cycles and ratio"

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import csv
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from analysis.formats import json_file
+from analysis.formats.errors import InputError
 
-class DigitiserError(ValueError):
+
+class DigitiserError(InputError):
     """A file that cannot be used; the message is one line naming the file, the place and the remedy."""
 
 
@@ -52,7 +54,7 @@ def read(path: Path) -> list[Dataset]:
 
 
 def _from_csv(path: Path, text: str) -> list[Dataset]:
-    rows, decimal_comma = _rows(text)
+    rows, decimal_comma = _rows(path.name, text)
     if len(rows) > 1 and _axes_names(rows[1][1]):
         return _side_by_side(path.name, rows, decimal_comma)
     if rows and _axes_names(rows[0][1]) and len(rows[0][1]) == 2:
@@ -74,12 +76,15 @@ def _from_csv(path: Path, text: str) -> list[Dataset]:
     return [Dataset(path.stem, np.array(points))]
 
 
-def _rows(text: str) -> tuple[list[tuple[int, list[str]]], bool]:
+def _rows(file: str, text: str) -> tuple[list[tuple[int, list[str]]], bool]:
     """Lines that are not empty, with their numbers; and whether numbers have a decimal comma, as in some locales."""
     lines = text.splitlines()
     first = next((line for line in lines if line.strip()), "")
     separator = next((s for s in (";", "\t") if s in first), ",")
-    rows = [(k, [c.strip() for c in cells]) for k, cells in enumerate(csv.reader(lines, delimiter=separator), 1)]
+    try:
+        rows = [(k, [c.strip() for c in cells]) for k, cells in enumerate(csv.reader(lines, delimiter=separator), 1)]
+    except csv.Error as error:  # a field of more than 131072 characters, a quote that is never closed
+        raise DigitiserError(f"{file}: is not a CSV ({error}); export it again") from None
     return [(k, cells) for k, cells in rows if any(cells)], separator != ","
 
 
@@ -139,9 +144,9 @@ def _pair(file: str, line: int, cells: list[str], decimal_comma: bool) -> tuple[
 def _from_json(file: str, text: str) -> list[Dataset]:
     """Project files of version 4 (datasetColl) and of version 3 (wpd.dataSeries)."""
     try:
-        project = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise DigitiserError(f"{file}: is not JSON ({error}); save the project again") from None
+        project = json_file.parse(file, text.encode(), dict, "save the project again")
+    except InputError as error:
+        raise DigitiserError(str(error)) from None
     try:
         if "wpd" in project:
             old = project["wpd"]
@@ -151,7 +156,7 @@ def _from_json(file: str, text: str) -> list[Dataset]:
             axes = {a["name"]: (a["type"], a.get("calibrationPoints", []), a) for a in project["axesColl"]}
             series = [(d["name"], d["axesName"], d["data"]) for d in project["datasetColl"]]
         return [_series(file, str(name), *axes[axis], data) for name, axis, data in series if data]
-    except (KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
         raise DigitiserError(
             f"{file}: is not a WebPlotDigitizer project ({type(error).__name__} {error}); give the "
             "wpd.json of the saved project, or export CSV"
@@ -168,7 +173,7 @@ def _series(file: str, name: str, axes_type: str, calibration: list, parameters:
     values = [point.get("value") for point in data]
     try:
         points = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         points = np.empty(0)
     if points.shape != (len(values), 2) or not np.isfinite(points).all():
         problem = f"{file}: dataset {name!r} has points without calibrated values; calibrate the axes, then save"
@@ -182,5 +187,5 @@ def _calibration(points: list):
     try:
         x, y = [float(p["dx"]) for p in points[:2]], [float(p["dy"]) for p in points[2:4]]
         return (min(x), max(x)), (min(y), max(y))
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         return None

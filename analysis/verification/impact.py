@@ -24,12 +24,10 @@ The contact's normal is z, body 1 comes from above and moves towards +x. Writes 
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import shutil
 import sys
 import tempfile
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,6 +38,8 @@ from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.driver.engine import EngineError
 from analysis.files import write_csv
+from analysis.formats import toml_file
+from analysis.formats.errors import InputError
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario, scenario_names
 from analysis.scenarios.schema import KEYS as SCENARIO_KEYS
@@ -50,15 +50,15 @@ from analysis.verification.probes import Ball, Probe, Trajectory, run_probes, wi
 
 HELD_MASS = 1e12
 BODY_KEYS = {
-    "radius": Key("m", float, 0, 100, open_minimum=True),
-    "density": Key("kg/m3", float, 0, 25000, open_minimum=True),
-    "spin": Key("rad/s", list),
-    "shear_modulus": Key("Pa", float, 0, open_minimum=True),
+    "radius": Key("m", float, 1e-4, 100),
+    "density": Key("kg/m3", float, 1, 25000),
+    "spin": Key("rad/s", list, -1e5, 1e5),
+    "shear_modulus": Key("Pa", float, 1, 1e13),
     "poisson_ratio": Key("-", float, 0, 0.49),
 }
 KEYS = {
     "impact.against": Key("-", str, choices=("sphere", "wall")),
-    "impact.speed": Key("m/s", float, 0, 1000, open_minimum=True),
+    "impact.speed": Key("m/s", float, 1e-6, 1000),
     "impact.angle": Key("degrees", float, 0, 89),
     "body_2.motion": Key("-", str, choices=("free", "held")),
     **{f"{body}.{name}": key for body in ("body_1", "body_2") for name, key in BODY_KEYS.items()},
@@ -106,35 +106,25 @@ class Impact:
 def read_impact(path: Path) -> Impact:
     """The case in a file; ScenarioError with one line for anything unknown, of the wrong type or impossible."""
     try:
-        with open(path, "rb") as file:
-            content = tomllib.load(file)
-    except OSError as error:
-        raise ScenarioError(
-            f"{path.name}: cannot be read ({error.strerror}); give the path of an impact file"
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path.name}: is not valid TOML: {error}") from None
+        content = toml_file.read(path, "impact file")
+    except InputError as error:
+        raise ScenarioError(str(error)) from None
 
     def refuse(key: str, value, allowed: str) -> ScenarioError:
-        return ScenarioError(f"{path.name}: {key} = {json.dumps(value, default=str)} is refused; allowed: {allowed}")
+        return ScenarioError(path.name, key, value, allowed)
 
     base = content.pop("base", "nonlinear-en1.0")
     if not isinstance(base, str) or base not in scenario_names():
         raise refuse("base", base, "one of " + ", ".join(scenario_names()))
     values = {}
-    for key, entry in _leaves(content):
+    for key, entry in toml_file.leaves(content, KEYS):
         if key not in KEYS:
-            raise refuse(key, entry, "the keys " + ", ".join(KEYS))
+            raise refuse(key, entry, f"a known key{toml_file.nearest(key, KEYS)}; --help lists them")
         known = KEYS[key]
-        if not isinstance(entry, dict) or set(entry) != {"value", "unit"}:
-            raise refuse(key, entry, "a table of exactly value and unit")
-        if entry["unit"] != known.unit:
-            raise refuse(f"{key}.unit", entry["unit"], f'"{known.unit}"')
-        if not known.accepts(entry["value"]) or (key.endswith(".spin") and len(entry["value"]) != 3):
-            raise refuse(
-                f"{key}.value", entry["value"], known.allowed() + (", three of them" if key.endswith(".spin") else "")
-            )
-        values[key] = float(entry["value"]) if known.kind is float else entry["value"]
+        value = toml_file.checked(refuse, key, entry, known, ("value", "unit"))
+        if key.endswith(".spin") and len(value) != 3:
+            raise refuse(f"{key}.value", value, known.allowed() + ", three of them")
+        values[key] = float(value) if known.kind is float else value
     if "impact.speed" not in values:
         raise ScenarioError(f"{path.name}: impact.speed is missing; give value and unit")
     on_wall = values.get("impact.against", "sphere") == "wall"
@@ -195,14 +185,6 @@ def _place(name: str, scenario: Scenario, values: dict, on_wall: bool) -> Impact
             )
         )
     return Impact(name, scenario, tuple(bodies), speed * math.cos(angle))
-
-
-def _leaves(table: dict, prefix: str = ""):
-    for name, entry in table.items():
-        if isinstance(entry, dict) and "value" not in entry and f"{prefix}{name}" not in KEYS and entry:
-            yield from _leaves(entry, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", entry
 
 
 # ------------------------------------------------------------------ result

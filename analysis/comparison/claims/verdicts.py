@@ -4,7 +4,6 @@ reference_data/claims.toml; and which of them the reading decides.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import pandas as pd
 from analysis.comparison.claims.checks import CHECKS
 from analysis.comparison.claims.evidence import CODES, FAILS, HOLDS, OPEN, Claim, Evidence, Rules, Verdict
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
+from analysis.formats import toml_file
 from analysis.reference.curves import REFERENCE_FOLDER, References, load_references
 
 
@@ -23,14 +23,14 @@ class ClaimError(ValueError):
 def load_claims(path: Path = REFERENCE_FOLDER / "claims.toml") -> tuple[list[Claim], Rules]:
     """Read claims.toml and check that every claim is complete, judged by a function, and words all its thresholds."""
     try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        content = toml_file.read(path)
         rules = Rules(
             content["rules"]["profile"],
             content["rules"]["confidence"],
             {name: entry["value"] for name, entry in content["stated"].items()},
         )
         entries = content["claim"]
-    except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         reason = f"cannot be used ({error}); it has [rules], [stated] and [[claim]]"
         raise ClaimError(f"{Path(path).name}: {reason}") from None
     return [_claim(Path(path).name, entry) for entry in entries], rules
