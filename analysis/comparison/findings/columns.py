@@ -75,6 +75,8 @@ MEANINGS = {
     "number": "of the claim",
     "claim": "the claim in words",
     "verdict": "of the claim in a code and reading",
+    "because": "why the verdict is what it is",
+    "without_curve": "what the part says where the experiment's curve is pending",
     "check": "a part of the claim",
     "check_verdict": "of that part",
     "numbers": "measured values with their 95 % half-widths, in words",

@@ -9,6 +9,7 @@ import pandas as pd
 
 from analysis.normalised.readers import Run
 from analysis.reference.settlement_laws import settlement_laws
+from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report import style
 from analysis.report.curves import (
     curve_rows,
@@ -91,4 +92,39 @@ def shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption
     c.axes.set_ylabel("settlement over that after the first cycle")
     cycle_axis(c, last, True)
     c.table = pd.concat(frames, ignore_index=True)
+    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
+
+
+def measured_shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
+    """Settlement over that after a late cycle, beside strains measured in triaxial tests: shapes alone."""
+    known = settlement_shapes()
+    curves = g.curves(runs)
+    reached = [n for n in (10, 100, 1000) if n <= last_cycle_of(curves)] if curves else []
+    if not reached:
+        return None
+    reference, frames = reached[-1], []
+    c = style.canvas(name, title, right=1.9, width=5.6)
+    for curve in curves:
+        values = curve.main.cycles.set_index("cycle")["settlement_m"]
+        if not values.get(reference, 0) > 0:
+            continue
+        shape = values[values.index <= reference] / values[reference]
+        draw(c, curve, pd.DataFrame(dict.fromkeys(("value", "low", "high"), shape)), 1.0)
+        frames.append(pd.DataFrame({"cycle": shape.index, "shape": shape, "curve": curve.main.id}))
+    for n, measured in enumerate(known.shapes):
+        at = np.array([k for k in measured.cycles if k <= reference] or [measured.cycles[0]])
+        ratio = measured.ratio(at, reference)
+        colour = style.shade("reference")
+        c.axes.plot(at, ratio, "osD^"[n % 4], color=colour, markersize=4, linestyle=(0, (1, 1.5)), linewidth=1)
+        c.labels.append((at[-1], ratio[-1], measured.label, colour))
+        frames.append(pd.DataFrame({"cycle": at, "shape": ratio, "curve": measured.id}))
+    c.axes.set_ylim(0, 1.05)
+    c.axes.set_ylabel(f"settlement over that after {reference} cycles")
+    cycle_axis(c, reference, True)
+    c.table = pd.concat(frames, ignore_index=True)
+    caption = (
+        f"Dotted: {known.quantity}, {known.status}; {known.provenance}. What they decide: {known.decides}. What "
+        f"they cannot "
+        f"decide: {known.cannot_decide}. Weakness: {known.weakness}."
+    )
     return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)

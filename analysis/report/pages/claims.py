@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analysis.comparison.claims import evidence
-from analysis.comparison.findings.members import TRUE_LOAD
+from analysis.comparison.claims.verdicts import compare_readings
 from analysis.report.labels import READING_NAMES
 from analysis.report.report_data import ReportData
 from analysis.report.sentences import symbols
@@ -18,13 +18,16 @@ def claims_page(data: ReportData) -> dict:
     grouped: dict[int, list] = {}
     for v in data.verdicts:
         grouped.setdefault(v.claim.number, []).append(v)
-    return {"summary": summary(grouped), "claims": [card(n, found) for n, found in sorted(grouped.items())]}
+    return {
+        "summary": summary(grouped),
+        "claims": [card(n, found) for n, found in sorted(grouped.items())],
+        "readings": readings_table(data.verdicts),
+    }
 
 
 def where_of(verdict) -> str:
     """Code and reading of a verdict, in words."""
-    reading = READING_NAMES[getattr(verdict, "reading", TRUE_LOAD)]
-    return f"{CODE_NAMES.get(verdict.code, verdict.code)}, {reading}"
+    return f"{CODE_NAMES.get(verdict.code, verdict.code)}, {READING_NAMES[verdict.reading]}"
 
 
 def chip_of(verdict: str) -> Chip:
@@ -40,6 +43,20 @@ def summary(grouped: dict[int, list]) -> Table:
         by_place = {where_of(v): chip_of(v.verdict) for v in found}
         table.rows.append([f"{n}. {symbols(found[0].claim.sentence)}", *(by_place.get(name, "–") for name in columns)])
     return table
+
+
+def readings_table(found: list) -> Table | None:
+    """Which claims the reading of the load decides, by code."""
+    rows = compare_readings(found)
+    rows = rows[(rows["outcome"] != "") & (rows["part"] == "")]
+    table = Table(
+        "What the reading of the load decides",
+        [Column("claim"), Column("code"), Column("true load"), Column("PFC's servo"), Column("the claim holds")],
+    )
+    for r in rows.itertuples():
+        title = f"{r.number}. {symbols(r.claim)}"
+        table.rows.append([title, CODE_NAMES[r.code], chip_of(r.true_load), chip_of(r.servo), r.outcome])
+    return table if table.rows else None
 
 
 def card(number: int, found: list) -> dict:
@@ -66,6 +83,7 @@ def card(number: int, found: list) -> dict:
         "title": claim.sentence,
         "verdicts": [(where_of(v), chip_of(v.verdict)) for v in found],
         "criterion": f"{claim.where}. {claim.quantity} {claim.criterion}",
+        "because": list(dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)),
         "missing": "; ".join(dict.fromkeys(what for v in found for what in v.missing)),
         "table": table,
         "notes": list(dict.fromkeys(note for v in found for note in v.notes)),

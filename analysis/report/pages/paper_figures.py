@@ -16,7 +16,7 @@ from analysis.report.figures.lateral import PROFILE_CYCLES, lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
-from analysis.report.figures.settlement import settlement_figure, shape_figure
+from analysis.report.figures.settlement import measured_shape_figure, settlement_figure, shape_figure
 from analysis.report.labels import MM, MODE_NAMES, READING_NAMES, SOURCE_NAMES, short_name
 from analysis.report.report_data import (
     KEY_SCENARIOS,
@@ -75,6 +75,15 @@ def paper_figures(data: ReportData) -> dict:
                     f"Settlement over that of the first cycle, {READING_NAMES[reading]}",
                     "Published laws as shapes (broken grey): their absolute size belongs to other loads and beds. "
                     "Coefficients are transcribed from secondary quotation.",
+                )
+                for reading in readings
+            ]
+            + [
+                measured_shape_figure(
+                    g,
+                    key_runs(data, profile, reading),
+                    f"measured-shape-{SLUGS[reading]}",
+                    f"Settlement beside triaxial tests, {READING_NAMES[reading]}",
                 )
                 for reading in readings
             ],
