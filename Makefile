@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view unload keep verify impact mutations sanitize reference calibrate bench \
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view unload keep verify impact mutations sanitize reference calibrate timestep bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -100,6 +100,8 @@ sanitize: setup ## the verification of LIGGGHTS with address and undefined-behav
 	@$(ANALYSIS) verify --code liggghts --host liggghts/build/ballast-sanitize --out report/sanitize
 calibrate: setup ## clumps, porosity and settlement over lattice gaps and clump aspects (hours)
 	@$(ANALYSIS) calibrate --results="$$RESULTS"
+timestep: setup ## the full bed at half the paper's time step up to 0.8 of the critical one, 20 cycles each (hours)
+	@$(ANALYSIS) timestep --results="$$RESULTS"
 bench: setup ## speeds in processor time: ours, stock LIGGGHTS, a stock YADE script: make bench PROFILE=full
 	@$(ANALYSIS) bench --profile="$$PROFILE" --results="$$RESULTS"
 

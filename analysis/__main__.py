@@ -27,6 +27,7 @@ COMMANDS = {  # name: module, purpose
     "reference": ("reference.check", "the reference curves and their state"),
     "view": ("report.pictures.view", "pictures of a bed, and files for ParaView"),
     "calibrate": ("driver.calibrate", "clumps, porosity and settlement over lattice gaps and clump aspects"),
+    "timestep": ("driver.timestep", "how large the time step may be: runs at several, and a table of them"),
     "bench": ("driver.bench.command", "steps per second of processor time: ours, stock, both codes"),
 }
 

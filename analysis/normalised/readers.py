@@ -23,7 +23,8 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_s
 from analysis.scenarios.schema import KEYS
 
 IDENTITY = ("profile", "scenario", "code", "seed")
-CALIBRATION = "calibration"
+TRIALS = CALIBRATION, TIMESTEP = "calibration", "timestep"
+"""Folders of results whose runs have a scenario's name but not its parameters."""
 """Folder of the beds that `make calibrate` tries."""
 
 
@@ -79,14 +80,14 @@ def load_runs(
 
 def _run_folders(results_dir: Path) -> list[Path]:
     """Folders that hold a run.json or a cycles.csv, in the order of their paths; raw output is not searched, nor are
-    the beds that `make calibrate` tries, which have the scenario's name but not its parameters.
+    the runs of `make calibrate` and `make timestep`, which have the scenario's name but not its parameters.
     """
     found = []
     for folder, below, files in os.walk(results_dir):
         if {"run.json", "cycles.csv"} & set(files):
             found.append(Path(folder))
             below[:] = []
-        below[:] = sorted(name for name in below if name != CALIBRATION and not name.startswith("."))
+        below[:] = sorted(name for name in below if name not in TRIALS and not name.startswith("."))
     return sorted(found)
 
 
