@@ -24,6 +24,7 @@ from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import style
 from analysis.report.figure import Gallery
 from analysis.report.pages.assumptions import assumptions
+from analysis.report.pages.benchmark import benchmark_page
 from analysis.report.pages.claims import claims_page
 from analysis.report.pages.comparison import comparison
 from analysis.report.pages.demo import demo_page
@@ -32,6 +33,7 @@ from analysis.report.pages.overview import overview
 from analysis.report.pages.paper_figures import paper_figures
 from analysis.report.pages.runs import runs_page
 from analysis.report.pages.servo import servo_page
+from analysis.report.pages.timestep import timestep_page
 from analysis.report.pages.verification import verification
 from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
 from analysis.report.sentences import TEMPLATES, environment
@@ -59,6 +61,8 @@ PAGES = (
     Page("claims.html", "Claims", "The paper's claims", claims_page),
     Page("servo.html", "The servo", "What PFC's servo makes of the load", servo_page),
     Page("influence.html", "Influence", "What the paper leaves out", influence_page),
+    Page("timestep.html", "Time step", "How large the time step may be", timestep_page),
+    Page("benchmark.html", "Benchmark", "How fast it is", benchmark_page),
     Page("verification.html", "Verification", "Verification", verification),
     Page("runs.html", "Runs", "Runs and provenance", runs_page),
     Page("assumptions.html", "Assumptions", "Assumptions", assumptions, (FIGURES, TABLES, "filter.js")),

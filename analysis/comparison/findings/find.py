@@ -35,7 +35,8 @@ class Findings:
     elastic          settlement split into what springs back and what stays
     influence        one thing changed at a time
     calibration      beds that `make calibrate` tried
-    timestep, benchmark   what `make timestep` and `make benchmark` kept, as they wrote it
+    timestep, benchmark, benchmark_sizes, benchmark_profile
+                     what `make timestep` and `make bench` kept, as they wrote it
     verdicts         the paper's claims, part by part
     computing_time   cost of a cycle
     pending          what is missing: a row per thing
@@ -57,6 +58,8 @@ class Findings:
     calibration: pd.DataFrame
     timestep: pd.DataFrame
     benchmark: pd.DataFrame
+    benchmark_sizes: pd.DataFrame
+    benchmark_profile: pd.DataFrame
     verdicts: pd.DataFrame
     computing_time: pd.DataFrame
     pending: pd.DataFrame
@@ -110,6 +113,8 @@ def find(
         calibration=_kept(folder / "calibration.csv"),
         timestep=_kept(folder / "timestep.csv"),
         benchmark=_kept(folder / "benchmark.csv"),
+        benchmark_sizes=_kept(folder / "benchmark_sizes.csv"),
+        benchmark_profile=_kept(folder / "benchmark_profile.csv"),
         verdicts=judged.to_frame(judged.evaluate_claims(plain, references)),
         computing_time=runs.computing_time_table(listed),
         pending=_pending(listed, references, paper_scenarios),
