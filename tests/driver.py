@@ -37,7 +37,7 @@ def drive(driver: tuple[str, ...], *arguments, limit_s: float | None = 500, **op
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
-def wait_until(condition: Callable[[], bool], complaint: str, seconds: float = 60) -> None:
+def wait_until(condition: Callable[[], bool], complaint: str, seconds: float = 300) -> None:
     """Wait until `condition` holds, and fail with `complaint` if it does not."""
     end = time.monotonic() + seconds
     while not condition():
@@ -45,7 +45,7 @@ def wait_until(condition: Callable[[], bool], complaint: str, seconds: float = 6
         time.sleep(0.01)
 
 
-def wait_for(path: Path, process: subprocess.Popen, seconds: float = 60) -> None:
+def wait_for(path: Path, process: subprocess.Popen, seconds: float = 300) -> None:
     """Wait until a file appears while `process` runs."""
     wait_until(lambda: path.exists() or process.poll() is not None, f"{path.name} did not appear", seconds)
     assert path.exists(), process.communicate()
@@ -73,7 +73,7 @@ def kill_until_done(driver: tuple[str, ...], arguments: list, folder: Path, mome
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
-            wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=5)
+            wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=60)
             longest_s *= 1.5
         else:
             assert process.returncode == 0, err
