@@ -9,6 +9,7 @@ Source: Talebiahooie et al. 2021, Sustainability 13, 12247, section 2; eq. 16 as
 
 from __future__ import annotations
 
+import cmath
 import math
 
 import numpy as np
@@ -153,6 +154,79 @@ def effective_restitution(factor: float) -> float:
         # log1p(-D e') reaches -infinity at e' = 1/D
         low, high = (middle, high) if factor * middle < 1 and excess(middle) > 0 else (low, middle)
     return (low + high) / 2
+
+
+def hysteretic_restitution(factor: float, limit: float = 1.0) -> float:
+    """Restitution of a free impact with the hysteretic law and the dashpot's limit, `limit` times critical damping.
+
+    Where the limit is not met that is `effective_restitution`. Where it is, the contact passes to the limit at an
+    overlap x_c and, unless it opens there, back: with length (m v0^2 / h)^(2/5) and speed v0 as units, below x_c
+    v dv/(1 + D v) = -x^1.5 dx, above it with p = x^1.25 a linear oscillator, v dv/dp = -0.8 (p + c v). Free of mass,
+    stiffness and speed. Relative error about 1e-9.
+    """
+    if factor - math.log1p(factor) <= 2.4 * limit**2:
+        return effective_restitution(factor)
+    limited = 2 * limit * math.sqrt(1.5)
+    overlap = (limited / factor) ** 0.8
+
+    def energy(v: float) -> float:  # integral of v / (1 + D v)
+        return v / factor - math.log1p(factor * v) / factor**2
+
+    share = 0.4 * overlap**2.5
+    speed = _root(lambda v: energy(v) - energy(1.0) + share, 0.0, 1.0)
+    # the oscillator from (p, v) = (x_c^1.25, speed): p'' = -0.8 (p + c p'), solved by its two exponentials
+    start = overlap**1.25
+    shift = cmath.sqrt((0.4 * limited) ** 2 - 0.8)
+    roots = -0.4 * limited + shift, -0.4 * limited - shift
+    first = (speed - roots[1] * start) / (2 * shift)
+    weights = first, start - first
+
+    def derivative(time: float, order: int) -> float:
+        return sum(w * r**order * cmath.exp(r * time) for w, r in zip(weights, roots, strict=True)).real
+
+    step = 1e-2
+    time = next(k * step for k in range(1, 100_000) if derivative(k * step, 1) < 0)
+    while derivative(time, 2) < 0 and derivative(time, 0) > start:
+        time += step
+    if derivative(time, 2) >= 0:
+        opens = _root(lambda s: derivative(s, 2), time - step, time)
+        if derivative(opens, 0) > start:
+            return -derivative(opens, 1)  # no force is left
+    back = -derivative(_root(lambda s: start - derivative(s, 0), time - step, time), 1)
+    return _root(lambda e: energy(-e) - energy(-back) - share, back, (1 - 1e-15) / factor)
+
+
+def _root(function, low: float, high: float) -> float:
+    """Where a function that is below 0 at `low` and above at `high` crosses it."""
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (middle, high) if function(middle) < 0 else (low, middle)
+    return (low + high) / 2
+
+
+def viscous_hertz_restitution(damping_ratio: float) -> float:
+    """Restitution of a free impact with Hertz's force and a dashpot 2 beta sqrt(m k_t) that cannot pull.
+
+    k_t is the tangent stiffness. In p = x^(5/4) it is a linear spring and dashpot of the ratio z = sqrt(1.2) beta,
+    whose force is used up at the phase 2 acos z: exp(-2 z acos(z) / sqrt(1 - z^2)), with acosh where z exceeds 1.
+    """
+    z = math.sqrt(1.2) * damping_ratio
+    if abs(z - 1) < 1e-8:
+        return math.exp(-2)
+    angle = math.acos(z) / math.sqrt(1 - z * z) if z < 1 else math.acosh(z) / math.sqrt(z * z - 1)
+    return math.exp(-2 * z * angle)
+
+
+def viscous_hertz_damping_ratio(restitution: float) -> float:
+    """Inverse of `viscous_hertz_restitution`, found by bisection; restitution above 0, to 1."""
+    if restitution == 1:
+        return 0.0
+    if not 0 < restitution < 1:
+        raise ValueError(f"restitution {restitution:g} has no damping ratio: choose one above 0, to 1")
+    high = 1.0
+    while viscous_hertz_restitution(high) > restitution:
+        high *= 2
+    return _root(lambda beta: restitution - viscous_hertz_restitution(beta), 0.0, high)
 
 
 def nominal_restitution(mode: int, effective: float) -> float:

@@ -37,6 +37,36 @@ def test_restitution_by_integration(mode, nominal):
     )
 
 
+@pytest.mark.parametrize("mode, nominal", [(0, 0.02), (0, 0.1), (0, 0.15), (0, 0.2), (0, 0.23), (2, 0.0), (0, 0.3)])
+@pytest.mark.parametrize("limit", [1.0, 0.5])
+def test_restitution_with_the_dashpots_limit_is_that_of_the_equation_of_motion(mode, nominal, limit):
+    factor = laws.damping_factor(mode, nominal)
+    if limit == 1.0:
+        law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
+        assert laws.hysteretic_restitution(factor) == pytest.approx(oracle.head_on(law, 0.5).restitution, abs=2e-8)
+    weaker = laws.hysteretic_restitution(factor, limit)
+    assert weaker >= laws.hysteretic_restitution(factor, 2 * limit) - 1e-12 and 0 < weaker < 1
+
+
+def test_the_limit_takes_damping_away():
+    assert laws.hysteretic_restitution(laws.damping_factor(0, 0.1)) == pytest.approx(0.1485, abs=5e-5)
+    assert laws.effective_restitution(laws.damping_factor(0, 0.1)) == pytest.approx(0.1010, abs=5e-5)
+
+
+@pytest.mark.parametrize("restitution", [0.02, 0.1, 0.135, 0.2, 0.5, 0.9, 0.98, 0.999, 1.0])
+def test_the_viscous_hertz_dashpot_gives_the_restitution_that_was_asked(restitution):
+    law = oracle.ViscousHertz(35e6, 0.3, 0.0147, mass=MASS, restitution=restitution)
+    assert oracle.head_on(law, 0.5).restitution == pytest.approx(restitution, abs=1e-8)
+    share = laws.viscous_hertz_damping_ratio(restitution)
+    assert laws.viscous_hertz_restitution(share) == pytest.approx(restitution, abs=1e-13)
+
+
+def test_no_dashpot_gives_a_restitution_of_0():
+    for wrong in (0.0, -0.1, 1.1):
+        with pytest.raises(ValueError, match="has no damping ratio"):
+            laws.viscous_hertz_damping_ratio(wrong)
+
+
 def test_damping_mode_0_refuses_restitution_0():
     with pytest.raises(ValueError, match="singular"):
         laws.damping_factor(0, 0.0)

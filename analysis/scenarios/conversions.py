@@ -4,8 +4,6 @@ against the values that the engines really got.
 
 from __future__ import annotations
 
-import functools
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -61,28 +59,15 @@ def _mindlin(s: Scenario) -> float:
     )
 
 
-@functools.cache
-def thornton_damping_ratio(restitution: float) -> float:
-    """Share of critical damping that gives a restitution (0-1) in a Hertz contact that cannot pull."""
-    coefficients = (
-        -6.918798,
-        -16.41105,
-        146.8049,
-        -796.4559,
-        2928.711,
-        -7206.864,
-        11494.29,
-        -11342.18,
-        6276.757,
-        -1489.915,
-    )
-    exponent = sum(c * restitution ** (k + 1) for k, c in enumerate(coefficients))
-    return math.sqrt(max(0.0, 1 / (1 - (1 + restitution) ** 2 * math.exp(exponent)) - 1))
-
-
-def _viscous(s: Scenario) -> float:
+def viscous_restitution(s: Scenario) -> float:
+    """Restitution at which YADE's viscous Hertz dashpot stands in for the hysteretic one: that of a free impact."""
     factor = laws.damping_factor(s[PP + "damping_mode"], s[PP + "restitution"])
-    return thornton_damping_ratio(laws.effective_restitution(factor)) if factor else 0.0
+    return laws.hysteretic_restitution(factor, s["contact.dashpot_limit"]) if factor else 1.0
+
+
+def viscous_damping_ratio(s: Scenario) -> float:
+    """Share of critical damping of that dashpot; 0 without damping."""
+    return laws.viscous_hertz_damping_ratio(viscous_restitution(s))
 
 
 def _wall_dashpot(s: Scenario) -> float:
@@ -157,11 +142,11 @@ CONVERSIONS = (
     Conversion(
         PP + "restitution",
         "hysteretic",
-        "`en` = e' with D (1 + e') = ln((1 + D)/(1 - D e')), `es` = 1; share of critical "
-        "damping `betan` by Thornton et al. (2013) from e'",
+        "`betan` = beta with exp(-2 z acos(z)/sqrt(1 - z^2)) = e', z = sqrt(1.2) beta; e' of a free impact, "
+        "D (1 + e') = ln((1 + D)/(1 - D e')) where the dashpot's limit is not met; `betas` = 0",
         "`nominalRestitution` = e_n; eq. 15",
         "pp.betan",
-        _viscous,
+        viscous_damping_ratio,
         "restitution[1][1]",
         _same(PP + "restitution"),
     ),
@@ -171,7 +156,7 @@ CONVERSIONS = (
         "in D: M_d 0 (1 - e_n^2)/e_n, 1 3 (1 - e_n^2)/4, 2 3 (1 - e_n^2) exp(2 (1 - e_n))/4",
         "`dampingMode` = M_d; eq. 16",
         "pp.betan",
-        _viscous,
+        viscous_damping_ratio,
         "damping_mode",
         _same(PP + "damping_mode"),
     ),

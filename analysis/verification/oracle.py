@@ -14,7 +14,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis import laws
-from analysis.scenarios.conversions import thornton_damping_ratio
 
 TIGHT = {"rtol": 1e-10, "method": "DOP853"}
 
@@ -82,8 +81,9 @@ class Hysteretic:
 @dataclass(frozen=True)
 class ViscousHertz(Hysteretic):
     """YADE's damped Hertz law: a dashpot of a share of critical damping at the tangent stiffness, chosen so that the
-    nominal restitution comes out when the contact does not pull (Thornton, Cummins and Cleary 2013, Powder Technology
-    233, 30: the polynomial). Not in the paper; it stands in for the hysteretic law where YADE has none."""
+    restitution comes out when the contact does not pull. Not in the paper; it stands in for the hysteretic law where
+    YADE has none.
+    """
 
     restitution: float = 1.0
 
@@ -91,7 +91,7 @@ class ViscousHertz(Hysteretic):
         if overlap <= 0:
             return 0.0
         stiffness = self.elastic_slope(overlap)
-        dashpot = 2 * thornton_damping_ratio(self.restitution) * math.sqrt(self.mass * stiffness)
+        dashpot = 2 * laws.viscous_hertz_damping_ratio(self.restitution) * math.sqrt(self.mass * stiffness)
         return max(0.0, self.elastic(overlap) + dashpot * speed)
 
 

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from analysis import laws
 from analysis.scenarios import derived
+from analysis.scenarios.conversions import viscous_restitution
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
@@ -18,7 +19,9 @@ STEPS_BEFORE = 20.4
 """Free flight before the contact, in steps: it closes within a step, as contacts do."""
 MEASURES = ("peak_overlap_m", "peak_force_N", "duration_s", "restitution")
 OWN_SLIP_LIMIT = "YADE counts the dashpot's force in the slip limit"
-YADE_HYSTERETIC = "YADE has no hysteretic law: viscous Hertz law with the same restitution, and its own expected value"
+YADE_HYSTERETIC = (
+    "YADE has no hysteretic law: viscous Hertz law; restitution as in the paper's law, peaks and duration by its own"
+)
 
 
 # ------------------------------------------------------------------ what to expect of a scenario's contact
@@ -46,7 +49,7 @@ def pair_law(code: str, scenario: Scenario, mass: float, radius: float):
     factor = laws.damping_factor(get["damping_mode"], get["restitution"])
     elastic = (get["shear_modulus"], get["poisson_ratio"], radius, get["friction"])
     if code == "yade" and factor:
-        return oracle.ViscousHertz(*elastic, mass=mass, restitution=laws.effective_restitution(factor))
+        return oracle.ViscousHertz(*elastic, mass=mass, restitution=viscous_restitution(scenario))
     return oracle.Hysteretic(*elastic, factor=factor, mass=mass)
 
 
@@ -200,7 +203,7 @@ def head_on_impacts(code: str) -> Impacts:
             closed = _hysteretic_closed_form(mass, law, factor, speed)
             paper, reason = dict(closed), ""
             if isinstance(law, oracle.ViscousHertz):
-                closed = {"restitution": closed["restitution"]}
+                closed = {"restitution": laws.hysteretic_restitution(factor)}  # of the paper's law, not of YADE's
                 yade = oracle.head_on(law, speed)
                 reason = YADE_HYSTERETIC + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
                     paper["peak_overlap_m"] / yade.peak_overlap_m - 1,
