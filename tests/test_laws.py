@@ -257,5 +257,5 @@ def test_path_forgets_over_a_separation():
 def test_viscous_hertz_gives_its_nominal_restitution():
     law = oracle.ViscousHertz(35e6, 0.3, 0.0147, mass=MASS, restitution=0.6)
     impact = oracle.head_on(law, 0.5)
-    assert impact.restitution == pytest.approx(0.6, rel=1e-3)  # as good as the polynomial behind it
+    assert impact.restitution == pytest.approx(0.6, rel=1e-7)
     assert impact.force_N.min() >= 0
