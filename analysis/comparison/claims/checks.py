@@ -287,8 +287,11 @@ def _lateral(e: Evidence, cycle: int) -> dict[str, float]:
 def _within(e: Evidence, cycle: int, good: float, sign: int) -> str:
     """Between which means of the experiment's profile the linear model's can be good; outside them it is poor."""
     mean = _lateral(e, cycle).get(LINEAR)
-    if mean is None or mean <= 0:
+    if mean is None:
         return ""
+    if mean <= 0:
+        no = "cannot be good" if sign > 0 else "is poor for sure"
+        return f"after cycle {cycle} it {no} unless the experiment's plates move inward, as the model's do"
     low, high = 1e3 * mean / (1 + good), 1e3 * mean / (1 - good)
     does = "can be good" if sign > 0 else "is poor for sure"
     where = "only if" if sign > 0 else "unless"

@@ -83,6 +83,10 @@ MEANINGS = {
     "margin": "by how much the values lie on the claim's side",
     "half_width": "half of the margin's 95 % interval",
     "missing": "what is missing to decide",
+    "part": "of the claim; empty for the whole",
+    "true_load": "verdict under the true load",
+    "servo": "verdict by PFC's servo",
+    "outcome": "which reading the claim holds in; empty where one is undecided",
 }
 
 

@@ -38,6 +38,7 @@ class Findings:
     timestep, benchmark, benchmark_sizes, benchmark_profile
                      what `make timestep` and `make bench` kept, as they wrote it
     verdicts         the paper's claims, part by part
+    readings         which of them the reading of the load decides
     computing_time   cost of a cycle
     pending          what is missing: a row per thing
     """
@@ -61,6 +62,7 @@ class Findings:
     benchmark_sizes: pd.DataFrame
     benchmark_profile: pd.DataFrame
     verdicts: pd.DataFrame
+    readings: pd.DataFrame
     computing_time: pd.DataFrame
     pending: pd.DataFrame
 
@@ -95,7 +97,7 @@ def find(
     values = agreement.seed_values(listed)
     scatter = agreement.scatter_table(values)
     pairs = agreement.same_bed_table(listed)
-    plain = [m.run for m in listed if m.plain]
+    verdicts = judged.evaluate_claims([m.run for m in listed if m.plain], references)
     return Findings(
         members=tuple(listed),
         coverage=runs.coverage_table(listed),
@@ -115,7 +117,8 @@ def find(
         benchmark=_kept(folder / "benchmark.csv"),
         benchmark_sizes=_kept(folder / "benchmark_sizes.csv"),
         benchmark_profile=_kept(folder / "benchmark_profile.csv"),
-        verdicts=judged.to_frame(judged.evaluate_claims(plain, references)),
+        verdicts=judged.to_frame(verdicts),
+        readings=judged.compare_readings(verdicts),
         computing_time=runs.computing_time_table(listed),
         pending=_pending(listed, references, paper_scenarios),
     )
