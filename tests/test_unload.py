@@ -15,7 +15,7 @@ def contents(folder):
 
 
 def test_an_unloaded_copy_springs_back_and_the_run_stays_as_it_is(undisturbed):
-    folder = undisturbed("nonlinear-en1.0", "liggghts")
+    folder = undisturbed("nonlinear-md1-en0.6", "liggghts")
     before = contents(folder)
     row = unload(folder, "liggghts", seed=1)
     assert contents(folder) == before

@@ -20,6 +20,9 @@ FixMultisphereDamped::FixMultisphereDamped(LAMMPS *lmp, int narg, char **arg)
 void FixMultisphereDamped::setup_pre_neighbor() {
   FixMultisphere::setup_pre_neighbor();
   find_spheres();
+  // the stock fix sets them when it reads a restart file, rounded otherwise: a resumed run must begin with the same digits
+  spheres_behind_ = true;
+  update_spheres();
 }
 
 void FixMultisphereDamped::pre_neighbor() {
