@@ -1,4 +1,4 @@
-"""The code is written in one hand: `ruff check` and `ruff format`, rules in pyproject.toml."""
+"""The code is written in one hand: `ruff check`, `ruff format` and `clang-format`; rules in pyproject.toml, .clang-format."""
 
 import subprocess
 import sys
@@ -15,3 +15,10 @@ def test_all_python_follows_the_rules_of_pyproject(rule):
         [sys.executable, "-m", "ruff", *rule, "--no-cache", "--quiet", "."], cwd=ROOT, capture_output=True, text=True
     )
     assert done.returncode == 0, f"run `.venv/bin/python -m ruff {rule[0]} .`\n{done.stdout}{done.stderr}"
+
+
+def test_the_hosts_sources_are_formatted():
+    sources = [*(ROOT / "liggghts" / "src").glob("*.cpp"), *(ROOT / "liggghts" / "src").glob("*.h")]
+    command = Path(sys.executable).with_name("clang-format")
+    done = subprocess.run([command, "--dry-run", "-Werror", *sources], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, f"run `.venv/bin/clang-format -i liggghts/src/*`\n{done.stderr[:2000]}"

@@ -211,7 +211,7 @@ MUTATIONS += tuple(
         ),
         (
             "bond: I for J in twisting",
-            ("bond_law.h", "moment_of_inertia, 2.0 * moment_of_inertia", "moment_of_inertia, moment_of_inertia"),
+            ("bond_law.h", "          2.0 * moment_of_inertia,", "          moment_of_inertia,"),
         ),
         ("bond: radius of the larger sphere", ("bond_law.h", "(radius_1 < radius_2 ?", "(radius_1 > radius_2 ?")),
         (

@@ -63,10 +63,11 @@ std::vector<Pose> read_bed(LAMMPS *lmp, const std::string &path) {
     if (line.find_first_not_of(" \r\t") == std::string::npos) continue;
     Pose p;
     double *q = p.quaternion;
-    const int found = sscanf(line.c_str(), "%d,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &p.id, p.centre, p.centre + 1, p.centre + 2, q, q + 1,
-                             q + 2, q + 3);
+    const int found = sscanf(line.c_str(), "%d,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &p.id, p.centre, p.centre + 1,
+                             p.centre + 2, q, q + 1, q + 2, q + 3);
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (found != 8 || p.id < 1 || !(std::fabs(norm - 1.0) < 1e-6) || !std::isfinite(p.centre[0] + p.centre[1] + p.centre[2])) {
+    if (found != 8 || p.id < 1 || !(std::fabs(norm - 1.0) < 1e-6) ||
+        !std::isfinite(p.centre[0] + p.centre[1] + p.centre[2])) {
       std::ostringstream text;
       text << path << ": line " << number << " is no clump; expected a positive id, a position and a unit quaternion";
       stop_with_error(lmp, text.str());
@@ -89,8 +90,9 @@ ClumpShape read_shape(LAMMPS *lmp, int narg, char **arg) {
   }
   for (const char *key : {"radius", "half_distance", "mass", "density", "inertia", "type"})
     if (!(values[key] > 0.0)) stop_with_error(lmp, std::string("place_clumps: ") + key + " must be given and positive");
-  return {values["radius"], values["half_distance"], values["mass"], values["density"], values["inertia"],
-          values["inertia_axial"], static_cast<int>(values["type"])};
+  return {
+      values["radius"],        values["half_distance"],         values["mass"], values["density"], values["inertia"],
+      values["inertia_axial"], static_cast<int>(values["type"])};
 }
 
 /// Add the spheres and the rigid body of one clump to this rank.
@@ -124,7 +126,7 @@ int insert_clump(LAMMPS *lmp, const ClumpShape &shape, Pose pose) {
 /// Replace the ids LIGGGHTS gave to the new clumps of this rank by those of the bed file.
 void keep_ids(LAMMPS *lmp, FixMultisphere *clumps, int first_body, const std::vector<int> &ids) {
   Multisphere &bodies = clumps->data();
-  ScalarContainer<int> &body_id = *bodies.prop().getElementProperty<ScalarContainer<int> >("id_multisphere");
+  ScalarContainer<int> &body_id = *bodies.prop().getElementProperty<ScalarContainer<int>>("id_multisphere");
   std::map<int, int> renamed;
   for (std::size_t n = 0; n < ids.size(); n++) {
     renamed[body_id(first_body + n)] = ids[n];
@@ -138,7 +140,8 @@ void keep_ids(LAMMPS *lmp, FixMultisphere *clumps, int first_body, const std::ve
   bodies.generate_map();
 }
 
-/// Place of a clump on a space-filling curve (Morton order, cells of 1/1024 of the simulated space): its bits are those of x, y, z in turn.
+/// Place of a clump on a space-filling curve (Morton order, cells of 1/1024 of the simulated space): its bits are those
+/// of x, y, z in turn.
 unsigned place_on_curve(const Domain *domain, const double *x) {
   unsigned place = 0;
   for (int d = 0; d < 3; d++) {
@@ -169,12 +172,15 @@ std::vector<double> gather_rows(LAMMPS *lmp, const std::vector<double> &rows) {
 }  // namespace
 
 void place_clumps(LAMMPS *lmp, int narg, char **arg) {
-  if (narg < 2) stop_with_error(lmp, "place_clumps: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
+  if (narg < 2)
+    stop_with_error(lmp, "place_clumps: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
   FixMultisphere *clumps = clumps_of(lmp);
-  if (clumps->n_body_all() > 0) stop_with_error(lmp, "place_clumps: there are clumps already; place them once, before the first run");
+  if (clumps->n_body_all() > 0)
+    stop_with_error(lmp, "place_clumps: there are clumps already; place them once, before the first run");
   const ClumpShape shape = read_shape(lmp, narg, arg);
   std::vector<Pose> bed = read_bed(lmp, arg[0]);
-  // neighbours in space are neighbours in memory; nothing is sorted later, so that a resumed run meets the spheres in the same order
+  // neighbours in space are neighbours in memory; nothing is sorted later, so that a resumed run meets the spheres in
+  // the same order
   std::stable_sort(bed.begin(), bed.end(), [lmp](const Pose &a, const Pose &b) {
     return place_on_curve(lmp->domain, a.centre) < place_on_curve(lmp->domain, b.centre);
   });
@@ -204,7 +210,8 @@ void place_clumps(LAMMPS *lmp, int narg, char **arg) {
 }
 
 void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 7 || strcmp(arg[0], "outside") != 0) stop_with_error(lmp, "delete_clumps: expects outside XLO XHI YLO YHI ZLO ZHI");
+  if (narg != 7 || strcmp(arg[0], "outside") != 0)
+    stop_with_error(lmp, "delete_clumps: expects outside XLO XHI YLO YHI ZLO ZHI");
   double box[6];
   for (int n = 0; n < 6; n++) box[n] = lmp->force->numeric(FLERR, arg[1 + n]);
   FixMultisphere *clumps = clumps_of(lmp);
@@ -222,7 +229,8 @@ void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
   for (int i = 0; i < lmp->atom->nlocal; i++)
     if (clumps->belongs_to(i) >= 0 && leaves_all[clumps->belongs_to(i)]) delete_flag[i] = 1.0;
   if (lmp->comm->me == 0 && lmp->screen)
-    fprintf(lmp->screen, "%ld clumps left the box and are deleted\n", static_cast<long>(std::count(leaves_all.begin(), leaves_all.end(), 1)));
+    fprintf(lmp->screen, "%ld clumps left the box and are deleted\n",
+            static_cast<long>(std::count(leaves_all.begin(), leaves_all.end(), 1)));
 }
 
 void write_bed(LAMMPS *lmp, int narg, char **arg) {
@@ -309,8 +317,8 @@ void write_bonds(LAMMPS *lmp, int narg, char **arg) {
   fprintf(file.stream(), "clump_1,clump_2,x_m,y_m,z_m,broken,step,mode,tensile_stress_Pa,shear_stress_Pa\n");
   for (std::size_t n = 0; n < rows.size(); n += width) {
     const double *row = &rows[n];
-    fprintf(file.stream(), "%.0f,%.0f,%.17g,%.17g,%.17g,%.0f,%.0f,%s,%.17g,%.17g\n", row[0], row[1], row[2], row[3], row[4], row[5], row[6],
-            modes[static_cast<int>(row[7])], row[8], row[9]);
+    fprintf(file.stream(), "%.0f,%.0f,%.17g,%.17g,%.17g,%.0f,%.0f,%s,%.17g,%.17g\n", row[0], row[1], row[2], row[3],
+            row[4], row[5], row[6], modes[static_cast<int>(row[7])], row[8], row[9]);
   }
   file.commit();
 }

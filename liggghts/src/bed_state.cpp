@@ -26,14 +26,18 @@ namespace ballast {
 
 ContactRecorder *ContactRecorder::active = NULL;
 
-FixMultisphere *find_clumps(LAMMPS *lmp) { return dynamic_cast<FixMultisphere *>(lmp->modify->find_fix_style("multisphere", 0)); }
+FixMultisphere *find_clumps(LAMMPS *lmp) {
+  return dynamic_cast<FixMultisphere *>(lmp->modify->find_fix_style("multisphere", 0));
+}
 
 namespace {
 
-/// Contacts of LIGGGHTS' own pair styles, which know no recorder: from the deck's `compute pairs all pair/gran/local pos id force`.
+/// Contacts of LIGGGHTS' own pair styles, which know no recorder: from the deck's `compute pairs all pair/gran/local
+/// pos id force`.
 void record_stock_pairs(LAMMPS *lmp, std::vector<Contact> &contacts) {
   const int number = lmp->modify->find_compute("pairs");
-  if (number < 0) stop_with_error(lmp, "LIGGGHTS' own contact models need `compute pairs all pair/gran/local pos id force`");
+  if (number < 0)
+    stop_with_error(lmp, "LIGGGHTS' own contact models need `compute pairs all pair/gran/local pos id force`");
   Compute &pairs = *lmp->modify->compute[number];
   pairs.compute_local();
   const double friction = read_material(lmp, PARTICLES, PARTICLES, false).friction;
@@ -66,7 +70,8 @@ std::vector<Contact> collect_contacts(LAMMPS *lmp) {
   ContactRecorder recorder;
   ContactRecorder::active = &recorder;
   PairGran *pair = dynamic_cast<PairGran *>(lmp->force->pair);
-  const bool stock = pair && pair->hashcode() != PairBallast::hashcode_of(false) && pair->hashcode() != PairBallast::hashcode_of(true);
+  const bool stock =
+      pair && pair->hashcode() != PairBallast::hashcode_of(false) && pair->hashcode() != PairBallast::hashcode_of(true);
   if (pair && !stock) pair->compute_pgl(0, 0);
   for (int n = 0; n < lmp->modify->nfix; n++)
     if (FixWall *wall = dynamic_cast<FixWall *>(lmp->modify->fix[n])) wall->record_contacts();
@@ -118,7 +123,8 @@ double mean_net_force(LAMMPS *lmp, FixMultisphere *clumps, const std::vector<Con
   MPI_Allreduce(&highest, &highest_all, 1, MPI_INT, MPI_MAX, lmp->world);
 
   double gravity[3] = {0.0, 0.0, 0.0};
-  if (FixGravity *weight = dynamic_cast<FixGravity *>(lmp->modify->find_fix_style("gravity", 0))) weight->get_gravity(gravity);
+  if (FixGravity *weight = dynamic_cast<FixGravity *>(lmp->modify->find_fix_style("gravity", 0)))
+    weight->get_gravity(gravity);
   std::vector<double> net(3 * (highest_all + 1), 0.0), net_all(net.size());
   std::vector<int> exists(highest_all + 1, 0), exists_all(exists.size());
   auto owner = [&](int i) { return clumps ? clumps->belongs_to(i) : atom->tag[i]; };
@@ -184,7 +190,8 @@ BedState evaluate_bed(LAMMPS *lmp) {
   const double contact_count = std::max(1.0, all[COUNT]), mean_contact_force = all[FORCE] / contact_count;
   const double net_force = mean_net_force(lmp, clumps, contacts);
   // a bed without any contact force carries nothing: not balanced, unless nothing acts at all
-  state.unbalanced_ratio = mean_contact_force > 0.0 ? net_force / mean_contact_force : (net_force > 0.0 ? INFINITY : 0.0);
+  state.unbalanced_ratio =
+      mean_contact_force > 0.0 ? net_force / mean_contact_force : (net_force > 0.0 ? INFINITY : 0.0);
   state.overlap_mean = all[OVERLAP] / contact_count;
   state.contacts = all[COUNT];
   state.at_limit_share = all[AT_LIMIT] / std::max(1.0, all[PAIRS]);

@@ -1,5 +1,6 @@
-// The parallel bond of Potyondy and Cundall (2004) as plain formulas; the same in words and in Python: analysis/laws_bond.py. SI units.
-// Body 1 against body 2: the normal points from body 2 to body 1, forces and moments act on body 1.
+// The parallel bond of Potyondy and Cundall (2004) as plain formulas; the same in words and in Python:
+// analysis/laws_bond.py. SI units. Body 1 against body 2: the normal points from body 2 to body 1, forces and moments
+// act on body 1.
 #ifndef BALLAST_BOND_LAW_H
 #define BALLAST_BOND_LAW_H
 
@@ -57,12 +58,18 @@ inline BondDisc bond_disc(const BondConstants &c, double radius_1, double radius
   const double radius = c.radius_multiplier * (radius_1 < radius_2 ? radius_1 : radius_2), radius2 = radius * radius;
   const double area = pi * radius2, share = c.total ? 1.0 / area : 1.0;
   const double moment_of_inertia = 0.25 * pi * radius2 * radius2;
-  return {radius, area, moment_of_inertia, 2.0 * moment_of_inertia, share * c.normal_stiffness, share * c.shear_stiffness,
-          share * c.normal_strength, share * c.shear_strength};
+  return {radius,
+          area,
+          moment_of_inertia,
+          2.0 * moment_of_inertia,
+          share * c.normal_stiffness,
+          share * c.shear_stiffness,
+          share * c.normal_strength,
+          share * c.shear_strength};
 }
 
-/// A vector of the contact plane after the contact has moved: turned about the normal by `angle`, then laid into the new plane at its
-/// old size.
+/// A vector of the contact plane after the contact has moved: turned about the normal by `angle`, then laid into the
+/// new plane at its old size.
 inline void carry(double *vector, const double *normal, double angle) {
   const double size2 = dot(vector, vector), out = dot(vector, normal);
   double turned[3];

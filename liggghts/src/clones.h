@@ -1,5 +1,5 @@
-// Hot functions are compiled for several generations of processors; the best is chosen at start. Without contraction (-ffp-contract=off)
-// every generation gives the same digits: each operation is rounded as IEEE 754 says.
+// Hot functions are compiled for several generations of processors; the best is chosen at start. Without contraction
+// (-ffp-contract=off) every generation gives the same digits: each operation is rounded as IEEE 754 says.
 #ifndef BALLAST_CLONES_H
 #define BALLAST_CLONES_H
 

@@ -24,7 +24,8 @@ inline double sine_over_angle_series(double h2) {
   return 1.0 - h2 * (1.0 / 6.0 - h2 * (1.0 / 120.0 - h2 * (1.0 / 5040.0 - h2 * (1.0 / 362880.0 - h2 / 39916800.0))));
 }
 
-/// Rotations of up to BATCH clumps in a step: half angles about the momentum (squared) and about the axis, their cosines and sines.
+/// Rotations of up to BATCH clumps in a step: half angles about the momentum (squared) and about the axis, their
+/// cosines and sines.
 struct Rotations {
   double half_angle2[BATCH], cosine[BATCH], sine_over_angle[BATCH];
   double half_turn[BATCH], turn_cosine[BATCH], turn_sine_over_angle[BATCH];
@@ -34,8 +35,10 @@ struct Rotations {
 BALLAST_CLONES double kick_and_find_angles(const Clumps &c, int first, int count, double time_step, Rotations &turn) {
   const double half = 0.5 * time_step, per_mass = half / c.mass, across = 1.0 / c.inertia_transverse;
   const double difference = 1.0 / c.inertia_axial - across;
-  double *const centre = c.centre + 3 * first, *const velocity = c.velocity + 3 * first, *const momentum = c.momentum + 3 * first;
-  const double *const force = c.force + 3 * first, *const torque = c.torque + 3 * first, *const axis = c.axis + 3 * first;
+  double *const centre = c.centre + 3 * first, *const velocity = c.velocity + 3 * first,
+                *const momentum = c.momentum + 3 * first;
+  const double *const force = c.force + 3 * first, *const torque = c.torque + 3 * first,
+                      *const axis = c.axis + 3 * first;
 #pragma omp simd
   for (int n = 0; n < 3 * count; n++) {
     velocity[n] += per_mass * force[n];
@@ -83,7 +86,8 @@ BALLAST_CLONES void apply(const Clumps &c, int first, int count, double time_ste
     // new quaternion = rotation about L (space) x old x rotation about the axis (body)
     const double scale = half * across * turn.sine_over_angle[k];
     const double pw = turn.cosine[k], px = scale * lx, py = scale * ly, pz = scale * lz;
-    const double qw = quaternion[4 * k], qx = quaternion[4 * k + 1], qy = quaternion[4 * k + 2], qz = quaternion[4 * k + 3];
+    const double qw = quaternion[4 * k], qx = quaternion[4 * k + 1], qy = quaternion[4 * k + 2],
+                 qz = quaternion[4 * k + 3];
     const double aw = pw * qw - px * qx - py * qy - pz * qz;
     const double ax = pw * qx + px * qw + py * qz - pz * qy;
     const double ay = pw * qy + py * qw + pz * qx - px * qz;

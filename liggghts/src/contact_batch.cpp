@@ -15,7 +15,8 @@ typedef double Lanes[ContactBatch::SIZE];
 
 /// All lanes are computed, also those without a contact: their results are not looked at.
 template <bool HYSTERETIC, bool ADVANCE>
-inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants &c, ContactBatch &b, double step, double time_step) {
+inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants &c, ContactBatch &b, double step,
+                                                          double time_step) {
   double fresh[ContactBatch::SIZE];  // in a loop of its own: GCC 12 does not vectorise the comparison beside the rest
   for (int k = 0; k < ContactBatch::SIZE; k++) fresh[k] = is_new_contact(b.last_touch_step[k], step) ? 1.0 : 0.0;
 #pragma omp simd
@@ -45,14 +46,14 @@ inline __attribute__((always_inline)) void evaluate_lanes(const ContactConstants
       const double first_speed = existed_before(overlap, closing, time_step) ? 0.0 : closing;
       const double impact_speed = is_new ? first_speed : b.impact_speed[k];
       b.impact_speed[k] = impact_speed;
-      response = hysteretic_normal(overlap, closing, impact_speed, mass, b.effective_radius[k], c.shear_modulus, c.poisson_ratio,
-                                   c.damping_factor, c.dashpot_limit);
+      response = hysteretic_normal(overlap, closing, impact_speed, mass, b.effective_radius[k], c.shear_modulus,
+                                   c.poisson_ratio, c.damping_factor, c.dashpot_limit);
     } else {
       response = linear_normal(overlap, closing, mass, c.normal_stiffness, c.shear_stiffness, c.damping_ratio);
     }
 
-    // shear force of the last step, turned with the contact (about the normal by the mean spin of the two bodies, then into the new
-    // contact plane; its size stays), and the increment of this step (eq. 3-4)
+    // shear force of the last step, turned with the contact (about the normal by the mean spin of the two bodies, then
+    // into the new contact plane; its size stays), and the increment of this step (eq. 3-4)
     double sx = is_new ? 0.0 : b.shear[0][k], sy = is_new ? 0.0 : b.shear[1][k], sz = is_new ? 0.0 : b.shear[2][k];
     if (ADVANCE) {
       const double angle = 0.5 * time_step * ((ix + jx) * nx + (iy + jy) * ny + (iz + jz) * nz);

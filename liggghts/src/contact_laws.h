@@ -1,5 +1,6 @@
-// The paper's contact laws as plain formulas (equation numbers of Talebiahooie et al. 2021). SI units; forces in N, positive = repulsive.
-// Free of branches, so that the compiler can work on several contacts at once: flags are 0.0 or 1.0.
+// The paper's contact laws as plain formulas (equation numbers of Talebiahooie et al. 2021). SI units; forces in N,
+// positive = repulsive. Free of branches, so that the compiler can work on several contacts at once: flags are 0.0
+// or 1.0.
 #ifndef BALLAST_CONTACT_LAWS_H
 #define BALLAST_CONTACT_LAWS_H
 
@@ -33,10 +34,12 @@ inline double damping_factor(double restitution, int damping_mode) {
 }
 
 /// Hysteretic law (eq. 8-16), F = h u^1.5 (1 + D v / v_impact). radius = 2 R1 R2 / (R1 + R2), or 2 R1 against a wall.
-/// impact_speed is the closing speed when the contact formed; 0 for a contact that was there when the law was switched on.
-/// Where impact_speed is too small, the dashpot is held at limit x critical damping of the tangent stiffness; the total never pulls.
-inline NormalResponse hysteretic_normal(double overlap, double closing_speed, double impact_speed, double mass, double radius,
-                                        double shear_modulus, double poisson_ratio, double damping, double limit) {
+/// impact_speed is the closing speed when the contact formed; 0 for a contact that was there when the law was switched
+/// on. Where impact_speed is too small, the dashpot is held at limit x critical damping of the tangent stiffness; the
+/// total never pulls.
+inline NormalResponse hysteretic_normal(double overlap, double closing_speed, double impact_speed, double mass,
+                                        double radius, double shear_modulus, double poisson_ratio, double damping,
+                                        double limit) {
   const double contact_size = shear_modulus * std::sqrt(2.0 * radius * overlap);
   const double elastic = 2.0 * contact_size * overlap / (3.0 * (1.0 - poisson_ratio));
   const double shear_stiffness = 2.0 * contact_size / (2.0 - poisson_ratio);
@@ -49,9 +52,9 @@ inline NormalResponse hysteretic_normal(double overlap, double closing_speed, do
   return {elastic, total, shear_stiffness, at_limit && damping != 0.0 ? 1.0 : 0.0};
 }
 
-/// A contact is new if it was touched neither in this step nor in the one before. The history of a pair is not cleared when it
-/// separates, and steps are counted on through a restart, so that this holds everywhere. 0 is a history that was never written: a
-/// contact that closes in step 1 is new as well.
+/// A contact is new if it was touched neither in this step nor in the one before. The history of a pair is not cleared
+/// when it separates, and steps are counted on through a restart, so that this holds everywhere. 0 is a history that
+/// was never written: a contact that closes in step 1 is new as well.
 inline bool is_new_contact(double last_touch_step, double step) {
   return last_touch_step == 0.0 || (last_touch_step != step && last_touch_step != step - 1.0);
 }
@@ -62,7 +65,8 @@ inline double touching_share(double overlap, double closing_speed, double time_s
   return approach > overlap ? overlap / approach : 1.0;
 }
 
-/// True where a contact without history is deeper than a step's approach explains: it existed before the law was switched on.
+/// True where a contact without history is deeper than a step's approach explains: it existed before the law was
+/// switched on.
 inline bool existed_before(double overlap, double closing_speed, double time_step) {
   return overlap > 2.0 * closing_speed * time_step;
 }

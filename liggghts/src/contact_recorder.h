@@ -1,5 +1,5 @@
-// While a recorder is switched on, pairs and walls hand it every contact they evaluate: contact output and bed state come from the same
-// code path as the forces.
+// While a recorder is switched on, pairs and walls hand it every contact they evaluate: contact output and bed state
+// come from the same code path as the forces.
 #ifndef BALLAST_CONTACT_RECORDER_H
 #define BALLAST_CONTACT_RECORDER_H
 
@@ -27,8 +27,14 @@ class ContactRecorder {
 
   /// Contact k of the batch, of sphere i with j (-1 for a wall).
   void add(int i, int j, const ContactBatch &b, int k) {
-    contacts.push_back({i, j, {b.normal[0][k], b.normal[1][k], b.normal[2][k]}, b.overlap[k], b.normal_force[k],
-                        {b.shear[0][k], b.shear[1][k], b.shear[2][k]}, b.sliding[k] != 0.0, b.dashpot_at_limit[k] != 0.0});
+    contacts.push_back({i,
+                        j,
+                        {b.normal[0][k], b.normal[1][k], b.normal[2][k]},
+                        b.overlap[k],
+                        b.normal_force[k],
+                        {b.shear[0][k], b.shear[1][k], b.shear[2][k]},
+                        b.sliding[k] != 0.0,
+                        b.dashpot_at_limit[k] != 0.0});
   }
 
   std::vector<Contact> contacts;

@@ -28,7 +28,9 @@ const ballast::BedState &FixBedState::state() {
 
 double FixBedState::compute_vector(int n) {
   const ballast::BedState &now = state();
-  const double values[] = {now.kinetic_energy, std::min(now.unbalanced_ratio, NOT_BALANCED), now.overlap_max_ratio, now.overlap_mean,
-                           now.contacts,       now.clumps, now.at_limit_share, now.sliding_share};
+  const double values[] = {now.kinetic_energy,    std::min(now.unbalanced_ratio, NOT_BALANCED),
+                           now.overlap_max_ratio, now.overlap_mean,
+                           now.contacts,          now.clumps,
+                           now.at_limit_share,    now.sliding_share};
   return values[n];
 }

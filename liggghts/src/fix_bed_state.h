@@ -7,8 +7,8 @@
 namespace LAMMPS_NS {
 
 /// `fix ID all ballast/state`: the state of the bed for decks; costs nothing until it is asked.
-/// Outputs: [1] kinetic energy per clump (J), [2] unbalanced ratio, [3] greatest overlap over radius, [4] mean overlap (m),
-/// [5] contacts, [6] clumps, [7] share of dashpots at their limit, [8] share of sliding contacts.
+/// Outputs: [1] kinetic energy per clump (J), [2] unbalanced ratio, [3] greatest overlap over radius, [4] mean overlap
+/// (m), [5] contacts, [6] clumps, [7] share of dashpots at their limit, [8] share of sliding contacts.
 class FixBedState : public Fix {
  public:
   FixBedState(class LAMMPS *, int, char **);

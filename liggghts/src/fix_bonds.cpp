@@ -31,11 +31,13 @@ const int MOST_BONDS = 30;  // of one sphere; twelve equal ones fit around it
 
 }  // namespace
 
-FixBonds::FixBonds(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), constants_(), made_step_(-1), spheres_(-1) {
+FixBonds::FixBonds(LAMMPS *lmp, int narg, char **arg)
+    : Fix(lmp, narg, arg), constants_(), made_step_(-1), spheres_(-1) {
   const std::string reading = narg > 3 ? arg[3] : "";
-  if (narg != 12 || (reading != "per_area" && reading != "total") || strcmp(arg[4], "radius") != 0 || strcmp(arg[6], "stiffness") != 0 ||
-      strcmp(arg[9], "strength") != 0)
-    error->fix_error(FLERR, this, "expects per_area|total radius MULTIPLIER stiffness NORMAL SHEAR strength NORMAL SHEAR");
+  if (narg != 12 || (reading != "per_area" && reading != "total") || strcmp(arg[4], "radius") != 0 ||
+      strcmp(arg[6], "stiffness") != 0 || strcmp(arg[9], "strength") != 0)
+    error->fix_error(FLERR, this,
+                     "expects per_area|total radius MULTIPLIER stiffness NORMAL SHEAR strength NORMAL SHEAR");
   constants_ = {force->numeric(FLERR, arg[5]),  force->numeric(FLERR, arg[7]),  force->numeric(FLERR, arg[8]),
                 force->numeric(FLERR, arg[10]), force->numeric(FLERR, arg[11]), reading == "total"};
   grow_arrays(atom->nmax);
@@ -90,14 +92,15 @@ void FixBonds::make() {
     return Cell(static_cast<int>(std::floor(x[0] / widest)), static_cast<int>(std::floor(x[1] / widest)),
                 static_cast<int>(std::floor(x[2] / widest)));
   };
-  std::map<Cell, std::vector<int> > cells;
+  std::map<Cell, std::vector<int>> cells;
   for (int i = 0; i < all; i++) cells[cell_of(atom->x[i])].push_back(i);
   FixMultisphere *clumps = find_clumps(lmp);
   auto body = [&](int i) { return clumps ? clumps->belongs_to(i) : atom->tag[i]; };
   for (int i = 0; i < atom->nlocal; i++) {
     const Cell here = cell_of(atom->x[i]);
     for (int n = 0; n < 27; n++) {
-      const auto near = cells.find(Cell(std::get<0>(here) + n / 9 - 1, std::get<1>(here) + n / 3 % 3 - 1, std::get<2>(here) + n % 3 - 1));
+      const auto near = cells.find(
+          Cell(std::get<0>(here) + n / 9 - 1, std::get<1>(here) + n / 3 % 3 - 1, std::get<2>(here) + n % 3 - 1));
       if (near == cells.end()) continue;
       for (const int j : near->second) {
         // a sphere that is local is found as such, not as its own ghost
@@ -105,10 +108,15 @@ void FixBonds::make() {
         const bool first = atom->tag[i] < atom->tag[j];
         const BondMotion m = motion(first ? i : j, first ? j : i);
         if (m.distance >= atom->radius[i] + atom->radius[j]) continue;
-        bonds_[i].push_back({static_cast<double>(atom->tag[j]), HOLDS, {m.distance, {0.0, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}}, -1.0, {0.0, 0.0, 0.0}});
+        bonds_[i].push_back({static_cast<double>(atom->tag[j]),
+                             HOLDS,
+                             {m.distance, {0.0, 0.0, 0.0}, 0.0, {0.0, 0.0, 0.0}},
+                             -1.0,
+                             {0.0, 0.0, 0.0}});
       }
     }
-    if (bonds_[i].size() > static_cast<std::size_t>(MOST_BONDS)) error->one(FLERR, "fix ballast/bonds: a sphere touches too many others");
+    if (bonds_[i].size() > static_cast<std::size_t>(MOST_BONDS))
+      error->one(FLERR, "fix ballast/bonds: a sphere touches too many others");
     std::sort(bonds_[i].begin(), bonds_[i].end(), [](const Bond &a, const Bond &b) { return a.partner < b.partner; });
   }
   const double made = compute_vector(0);
@@ -124,15 +132,18 @@ void FixBonds::drop_deleted() {
   MPI_Allreduce(mine.data(), exists.data(), highest + 1, MPI_CHAR, MPI_MAX, world);
   for (int i = 0; i < atom->nlocal; i++) {
     std::vector<Bond> &list = bonds_[i];
-    list.erase(std::remove_if(list.begin(), list.end(),
-                              [&](const Bond &bond) { return bond.partner > highest || !exists[static_cast<int>(bond.partner)]; }),
+    list.erase(std::remove_if(
+                   list.begin(), list.end(),
+                   [&](const Bond &bond) { return bond.partner > highest || !exists[static_cast<int>(bond.partner)]; }),
                list.end());
   }
 }
 
 int FixBonds::partner_of(const Bond &bond) const {
   const int j = atom->map(static_cast<int>(bond.partner));
-  if (j < 0) error->one(FLERR, "fix ballast/bonds: a bonded sphere is out of this rank's reach; raise the deck's `communicate cutoff`");
+  if (j < 0)
+    error->one(FLERR,
+               "fix ballast/bonds: a bonded sphere is out of this rank's reach; raise the deck's `communicate cutoff`");
   return j;
 }
 
@@ -200,7 +211,8 @@ std::vector<FixBonds::Force> FixBonds::forces() const {
   for (const Row &row : rows())
     if (row.bond.fate == HOLDS) {
       const BondMotion m = motion(row.i, row.j);
-      const BondLoad load = bond_load(bond_disc(constants_, atom->radius[row.i], atom->radius[row.j]), row.bond.state, m);
+      const BondLoad load =
+          bond_load(bond_disc(constants_, atom->radius[row.i], atom->radius[row.j]), row.bond.state, m);
       found.push_back({row.i, row.j, {load.force[0], load.force[1], load.force[2]}});
     }
   return found;
@@ -214,7 +226,8 @@ std::vector<FixBonds::Row> FixBonds::rows() const {
       Row row = {i, -1, {bond.broken_at[0], bond.broken_at[1], bond.broken_at[2]}, bond, 0.0, 0.0};
       if (bond.fate == HOLDS) {
         row.j = partner_of(bond);
-        const BondLoad load = bond_load(bond_disc(constants_, atom->radius[i], atom->radius[row.j]), bond.state, motion(i, row.j));
+        const BondLoad load =
+            bond_load(bond_disc(constants_, atom->radius[i], atom->radius[row.j]), bond.state, motion(i, row.j));
         row.tensile_stress = load.tensile_stress;
         row.shear_stress = load.shear_stress;
         for (int d = 0; d < 3; d++) row.place[d] = 0.5 * (atom->x[i][d] + atom->x[row.j][d]);

@@ -10,10 +10,10 @@ namespace LAMMPS_NS {
 
 /// Parallel bonds between spheres of different clumps (bond_law.h), beside their contacts.
 ///   fix ID all ballast/bonds per_area|total radius MULTIPLIER stiffness NORMAL SHEAR strength NORMAL SHEAR
-/// per_area: Pa/m and Pa; total: N/m and N. The spheres that touch at the setup of the first run are bonded; later nothing is. Every sphere
-/// keeps its own bonds, broken ones too, so that they move with it from rank to rank and into the restart file. A bond whose spheres belong
-/// to two ranks is computed on both, with the same numbers.
-/// Outputs: [1] bonds made, [2] bonds that hold, [3] broken in tension, [4] broken in shear.
+/// per_area: Pa/m and Pa; total: N/m and N. The spheres that touch at the setup of the first run are bonded; later
+/// nothing is. Every sphere keeps its own bonds, broken ones too, so that they move with it from rank to rank and into
+/// the restart file. A bond whose spheres belong to two ranks is computed on both, with the same numbers. Outputs: [1]
+/// bonds made, [2] bonds that hold, [3] broken in tension, [4] broken in shear.
 class FixBonds : public Fix {
  public:
   /// One bond as the sphere of index i sees it.
@@ -75,7 +75,7 @@ class FixBonds : public Fix {
   int atom_tag(int i) const;
 
   ballast::BondConstants constants_;
-  std::vector<std::vector<Bond> > bonds_;   // of each local sphere
+  std::vector<std::vector<Bond>> bonds_;   // of each local sphere
   bigint made_step_;                        // -1 = not yet
   bigint spheres_;                          // of all ranks when deleted ones were last looked for
 };

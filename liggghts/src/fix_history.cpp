@@ -24,7 +24,9 @@ FixHistory::FixHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg),
   for (int n = 7; n < narg; n++) plates_.push_back(find_load(arg[n]));
   if (comm->me == 0) {
     file_ = fopen(path_.c_str(), append ? "a" : "w");
-    if (!file_) ballast::stop_with_error(lmp, path_ + ": cannot be written; make the folder and check free space and permissions");
+    if (!file_)
+      ballast::stop_with_error(lmp,
+                               path_ + ": cannot be written; make the folder and check free space and permissions");
     fseek(file_, 0, SEEK_END);
     if (ftell(file_) == 0) write_header();
   }
@@ -36,7 +38,9 @@ FixHistory::~FixHistory() {
 
 FixLoadControl *FixHistory::find_load(const char *id) const {
   FixLoadControl *load = dynamic_cast<FixLoadControl *>(modify->find_fix_id(id));
-  if (!load) ballast::stop_with_error(lmp, std::string("fix ballast/history: ") + id + " is not a fix ballast/load; define it first");
+  if (!load)
+    ballast::stop_with_error(lmp,
+                             std::string("fix ballast/history: ") + id + " is not a fix ballast/load; define it first");
   return load;
 }
 
@@ -53,7 +57,9 @@ void FixHistory::end_of_step() {
 }
 
 void FixHistory::write_header() {
-  fprintf(file_, "step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,sleeper_displacement_m");
+  fprintf(
+      file_,
+      "step,time_s,sleeper_target_Pa,sleeper_stress_Pa,sleeper_stress_mean_Pa,sleeper_error_ms_Pa2,sleeper_displacement_m");
   for (std::size_t n = 1; n <= plates_.size(); n++)
     fprintf(file_, ",plate_%zu_stress_Pa,plate_%zu_stress_mean_Pa,plate_%zu_displacement_m", n, n, n);
   fprintf(file_, "\n");
@@ -62,7 +68,8 @@ void FixHistory::write_header() {
 void FixHistory::write_row() {
   if (file_) {
     fprintf(file_, "%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", static_cast<long long>(stage_->step()), stage_->time(),
-            sleeper_->target(), sleeper_->stress(), sleeper_->mean_stress(), sleeper_->mean_squared_error(), sleeper_->travel());
+            sleeper_->target(), sleeper_->stress(), sleeper_->mean_stress(), sleeper_->mean_squared_error(),
+            sleeper_->travel());
     for (const FixLoadControl *plate : plates_)
       fprintf(file_, ",%.17g,%.17g,%.17g", plate->stress(), plate->mean_stress(), 0.0 - plate->travel());
     fprintf(file_, "\n");

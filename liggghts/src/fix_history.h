@@ -8,9 +8,9 @@
 
 namespace LAMMPS_NS {
 
-/// `fix ID all ballast/history EVERY FILE new|append SLEEPER_LOAD PLATE_LOAD_1 ...`: one row of loads and displacements every EVERY
-/// steps of the stage, and one at its step 0. `append` goes on with FILE where it exists.
-/// Displacements: sleeper positive along its load (down), plates positive against theirs (outward).
+/// `fix ID all ballast/history EVERY FILE new|append SLEEPER_LOAD PLATE_LOAD_1 ...`: one row of loads and displacements
+/// every EVERY steps of the stage, and one at its step 0. `append` goes on with FILE where it exists. Displacements:
+/// sleeper positive along its load (down), plates positive against theirs (outward).
 class FixHistory : public Fix {
  public:
   FixHistory(class LAMMPS *, int, char **);
@@ -25,9 +25,9 @@ class FixHistory : public Fix {
   void write_row();
   class FixLoadControl *find_load(const char *id) const;
 
-  int row_interval_;                         // steps
+  int row_interval_;  // steps
   std::string path_;
-  FILE *file_;                               // rank 0 only
+  FILE *file_;  // rank 0 only
   class FixStage *stage_;
   class FixLoadControl *sleeper_;
   std::vector<class FixLoadControl *> plates_;

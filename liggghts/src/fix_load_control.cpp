@@ -22,10 +22,29 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg), stage_(NULL), law_(FIXED), mass_(0.0), drag_(0.0), gain_(0.0), gain_step_(0.0), stiffness_(0.0), velocity_limit_(0.0),
-      contact_floor_(0.0), count_interval_(0), target_style_(CONSTANT), ramp_start_(0.0), velocity_(0.0), travel_(0.0),
-      contact_force_(0.0), contacts_(0), stress_sum_(0.0), squared_error_sum_(0.0), row_steps_(0), averaging_time_(0.0),
-      window_next_(0), window_full_(false) {
+    : Fix(lmp, narg, arg),
+      stage_(NULL),
+      law_(FIXED),
+      mass_(0.0),
+      drag_(0.0),
+      gain_(0.0),
+      gain_step_(0.0),
+      stiffness_(0.0),
+      velocity_limit_(0.0),
+      contact_floor_(0.0),
+      count_interval_(0),
+      target_style_(CONSTANT),
+      ramp_start_(0.0),
+      velocity_(0.0),
+      travel_(0.0),
+      contact_force_(0.0),
+      contacts_(0),
+      stress_sum_(0.0),
+      squared_error_sum_(0.0),
+      row_steps_(0),
+      averaging_time_(0.0),
+      window_next_(0),
+      window_full_(false) {
   if (narg != 10 || strcmp(arg[4], "direction") != 0 || strcmp(arg[8], "area") != 0)
     error->fix_error(FLERR, this, "expects WALL_FIX direction X Y Z area A");
   wall_ = dynamic_cast<FixWall *>(modify->find_fix_id(arg[3]));
@@ -52,7 +71,9 @@ int FixLoadControl::setmask() { return INITIAL_INTEGRATE | FINAL_INTEGRATE; }
 void FixLoadControl::init() {
   if (law_ == FORCE && !(mass_ > 0.0)) error->fix_error(FLERR, this, "law force needs a positive mass");
   if (law_ == PFC && !(stiffness_ > 0.0 && velocity_limit_ > 0.0 && count_interval_ >= 1 && contact_floor_ >= 1.0))
-    error->fix_error(FLERR, this, "law pfc needs a positive stiffness and velocity_limit, count_interval and contact_floor of at least 1");
+    error->fix_error(
+        FLERR, this,
+        "law pfc needs a positive stiffness and velocity_limit, count_interval and contact_floor of at least 1");
   stage_ = FixStage::find(lmp);
   const std::size_t steps = static_cast<std::size_t>(averaging_time_ / update->dt + 0.5);
   if (steps != window_.size()) {
@@ -60,7 +81,8 @@ void FixLoadControl::init() {
     window_next_ = 0;
     window_full_ = false;
   }
-  // before the forces of the run's set-up, whose dashpots need the wall's velocity: a resumed run must compute the same ones
+  // before the forces of the run's set-up, whose dashpots need the wall's velocity: a resumed run must compute the same
+  // ones
   set_wall_velocity();
 }
 
@@ -107,7 +129,8 @@ void FixLoadControl::final_integrate() {
 double FixLoadControl::target() const {
   if (target_style_ == CONSTANT) return target_values_[0];
   const double time = stage_ ? stage_->time() : 0.0;
-  if (target_style_ == HARMONIC) return target_values_[0] - target_values_[1] * cos(2.0 * M_PI * target_values_[2] * time);
+  if (target_style_ == HARMONIC)
+    return target_values_[0] - target_values_[1] * cos(2.0 * M_PI * target_values_[2] * time);
   const double share = std::min(1.0, (time - ramp_start_) / target_values_[2]);
   return target_values_[0] + share * (target_values_[1] - target_values_[0]);
 }
@@ -134,15 +157,24 @@ double FixLoadControl::deviation() const {
 
 double FixLoadControl::compute_vector(int n) {
   switch (n) {
-    case 0: return target();
-    case 1: return stress();
-    case 2: return mean_stress();
-    case 3: return mean_squared_error();
-    case 4: return travel_;
-    case 5: return velocity_;
-    case 6: return window_mean();
-    case 7: return contacts_;
-    default: return deviation();
+    case 0:
+      return target();
+    case 1:
+      return stress();
+    case 2:
+      return mean_stress();
+    case 3:
+      return mean_squared_error();
+    case 4:
+      return travel_;
+    case 5:
+      return velocity_;
+    case 6:
+      return window_mean();
+    case 7:
+      return contacts_;
+    default:
+      return deviation();
   }
 }
 
@@ -155,26 +187,42 @@ int FixLoadControl::modify_param(int narg, char **arg) {
   const std::string key = arg[0];
   if (narg < 2) return 0;
   int used = 2;
-  if (key == "law") parse_law(arg[1]);
-  else if (key == "target") parse_target(narg, arg, used);
-  else if (key == "mass") mass_ = number(narg, arg, 1);
-  else if (key == "drag") drag_ = number(narg, arg, 1);
-  else if (key == "gain") gain_ = number(narg, arg, 1);
-  else if (key == "gain_step") gain_step_ = number(narg, arg, 1);
-  else if (key == "stiffness") stiffness_ = number(narg, arg, 1);
-  else if (key == "velocity_limit") velocity_limit_ = number(narg, arg, 1);
-  else if (key == "count_interval") count_interval_ = static_cast<int>(number(narg, arg, 1));
-  else if (key == "contact_floor") contact_floor_ = number(narg, arg, 1);
-  else if (key == "averaging_time") averaging_time_ = number(narg, arg, 1);
-  else return 0;
+  if (key == "law")
+    parse_law(arg[1]);
+  else if (key == "target")
+    parse_target(narg, arg, used);
+  else if (key == "mass")
+    mass_ = number(narg, arg, 1);
+  else if (key == "drag")
+    drag_ = number(narg, arg, 1);
+  else if (key == "gain")
+    gain_ = number(narg, arg, 1);
+  else if (key == "gain_step")
+    gain_step_ = number(narg, arg, 1);
+  else if (key == "stiffness")
+    stiffness_ = number(narg, arg, 1);
+  else if (key == "velocity_limit")
+    velocity_limit_ = number(narg, arg, 1);
+  else if (key == "count_interval")
+    count_interval_ = static_cast<int>(number(narg, arg, 1));
+  else if (key == "contact_floor")
+    contact_floor_ = number(narg, arg, 1);
+  else if (key == "averaging_time")
+    averaging_time_ = number(narg, arg, 1);
+  else
+    return 0;
   return used;
 }
 
 void FixLoadControl::parse_law(const char *name) {
-  if (strcmp(name, "fixed") == 0) law_ = FIXED;
-  else if (strcmp(name, "force") == 0) law_ = FORCE;
-  else if (strcmp(name, "pfc") == 0) law_ = PFC;
-  else error->fix_error(FLERR, this, "law must be fixed, force or pfc");
+  if (strcmp(name, "fixed") == 0)
+    law_ = FIXED;
+  else if (strcmp(name, "force") == 0)
+    law_ = FORCE;
+  else if (strcmp(name, "pfc") == 0)
+    law_ = PFC;
+  else
+    error->fix_error(FLERR, this, "law must be fixed, force or pfc");
   if (law_ == FIXED) velocity_ = 0.0;
 }
 
@@ -194,13 +242,15 @@ void FixLoadControl::parse_target(int narg, char **arg, int &used) {
     error->fix_error(FLERR, this, "target must be constant, ramp or harmonic");
   }
   for (int n = 0; n < values; n++) target_values_[n] = number(narg, arg, 2 + n);
-  if (target_style_ == RAMP && target_values_[2] <= 0.0) error->fix_error(FLERR, this, "target ramp: its time must be positive");
+  if (target_style_ == RAMP && target_values_[2] <= 0.0)
+    error->fix_error(FLERR, this, "target ramp: its time must be positive");
   used = 2 + values;
 }
 
 void FixLoadControl::write_restart(FILE *file) {
-  ballast::write_state(file, comm->me, {velocity_, travel_, contact_force_, static_cast<double>(contacts_), stress_sum_,
-                                        squared_error_sum_, static_cast<double>(row_steps_)});
+  ballast::write_state(file, comm->me,
+                       {velocity_, travel_, contact_force_, static_cast<double>(contacts_), stress_sum_,
+                        squared_error_sum_, static_cast<double>(row_steps_)});
 }
 
 void FixLoadControl::restart(char *buffer) {

@@ -15,12 +15,13 @@ namespace LAMMPS_NS {
 ///                                                          v = A (target force - contact force) / (KN N_c DT), limited
 ///   fix_modify ID target constant S | ramp S1 S2 T | harmonic MEAN AMPLITUDE FREQUENCY
 ///   fix_modify ID averaging_time T                         window of output 7, s
-/// DT is the time step that the gain is meant for (0 or not given: the run's own). Stresses in Pa, positive = bed pushes back; a ramp begins at the present step, a harmonic target is
-/// MEAN - AMPLITUDE cos(2 pi FREQUENCY t) with t the time of the stage. Travel, velocity, contact force, contact count and the sums since
-/// the last output row are kept in restart files; law and target come from the deck.
-/// Outputs: [1] target (Pa), [2] stress (Pa), [3] mean stress since the last row (Pa), [4] mean squared error since then (Pa2),
-/// [5] travel along the direction (m), [6] velocity (m/s), [7] mean stress over the averaging window (Pa; 0 until it is full),
-/// [8] contacts of the wall when last counted, [9] relative deviation of [7] from the target (0 under law fixed; 1 until the window is full).
+/// DT is the time step that the gain is meant for (0 or not given: the run's own). Stresses in Pa, positive = bed
+/// pushes back; a ramp begins at the present step, a harmonic target is MEAN - AMPLITUDE cos(2 pi FREQUENCY t) with t
+/// the time of the stage. Travel, velocity, contact force, contact count and the sums since the last output row are
+/// kept in restart files; law and target come from the deck. Outputs: [1] target (Pa), [2] stress (Pa), [3] mean stress
+/// since the last row (Pa), [4] mean squared error since then (Pa2), [5] travel along the direction (m), [6] velocity
+/// (m/s), [7] mean stress over the averaging window (Pa; 0 until it is full), [8] contacts of the wall when last
+/// counted, [9] relative deviation of [7] from the target (0 under law fixed; 1 until the window is full).
 class FixLoadControl : public Fix {
  public:
   FixLoadControl(class LAMMPS *, int, char **);
@@ -34,7 +35,7 @@ class FixLoadControl : public Fix {
   void write_restart(FILE *) override;
   void restart(char *) override;
 
-  double target() const;          // Pa, at the present step
+  double target() const;  // Pa, at the present step
   double stress() const { return contact_force_ / area_; }
   double mean_stress() const { return row_steps_ ? stress_sum_ / row_steps_ : stress(); }
   double mean_squared_error() const;
@@ -58,12 +59,12 @@ class FixLoadControl : public Fix {
   double direction_[3], area_;
 
   Law law_;
-  double mass_, drag_;                                                    // force law
+  double mass_, drag_;  // force law
   double gain_, gain_step_, stiffness_, velocity_limit_, contact_floor_;  // pfc law
   int count_interval_;
   Target target_style_;
   double target_values_[3];
-  double ramp_start_;                                         // stage time, s
+  double ramp_start_;  // stage time, s
 
   double velocity_, travel_, contact_force_;
   int contacts_;
@@ -71,7 +72,7 @@ class FixLoadControl : public Fix {
   bigint row_steps_;
 
   double averaging_time_;
-  std::vector<double> window_;                                // ring of stresses, Pa
+  std::vector<double> window_;  // ring of stresses, Pa
   std::size_t window_next_;
   bool window_full_;
 };

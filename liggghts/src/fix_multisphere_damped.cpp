@@ -13,14 +13,21 @@
 #include "update.h"
 
 using namespace LAMMPS_NS;
+
 FixMultisphereDamped::FixMultisphereDamped(LAMMPS *lmp, int narg, char **arg)
-    : FixMultisphere(lmp, narg, arg), local_damping_(0.0), forces_incomplete_(false), spheres_behind_(false), mass_(0.0), inertia_transverse_(0.0),
+    : FixMultisphere(lmp, narg, arg),
+      local_damping_(0.0),
+      forces_incomplete_(false),
+      spheres_behind_(false),
+      mass_(0.0),
+      inertia_transverse_(0.0),
       inertia_axial_(0.0) {}
 
 void FixMultisphereDamped::setup_pre_neighbor() {
   FixMultisphere::setup_pre_neighbor();
   find_spheres();
-  // the stock fix sets them when it reads a restart file, rounded otherwise: a resumed run must begin with the same digits
+  // the stock fix sets them when it reads a restart file, rounded otherwise: a resumed run must begin with the same
+  // digits
   spheres_behind_ = true;
   update_spheres();
 }
@@ -48,18 +55,22 @@ void FixMultisphereDamped::find_spheres() {
   inertia_transverse_ = inertia[0][0];
   inertia_axial_ = inertia[0][2];
   for (int body = 0; body < bodies; body++)
-    if (spheres_[2 * body] < 0 || spheres_[2 * body + 1] < 0 || mass[body] != mass_ || inertia[body][0] != inertia_transverse_ ||
-        inertia[body][1] != inertia_transverse_ || inertia[body][2] != inertia_axial_)
-      error->one(FLERR, "fix multisphere/damped: its bodies must be equal clumps of two spheres; place them with place_clumps");
+    if (spheres_[2 * body] < 0 || spheres_[2 * body + 1] < 0 || mass[body] != mass_ ||
+        inertia[body][0] != inertia_transverse_ || inertia[body][1] != inertia_transverse_ ||
+        inertia[body][2] != inertia_axial_)
+      error->one(
+          FLERR,
+          "fix multisphere/damped: its bodies must be equal clumps of two spheres; place them with place_clumps");
 }
 
 /// The stock fix's tables of bodies.
 ballast::Clumps FixMultisphereDamped::clumps() {
   auto table = [this](const char *name) { return n_body() ? data().extract_double_vector(name)[0] : NULL; };
   double *const quaternion =
-      n_body() ? data().prop().getElementProperty<VectorContainer<double, 4> >("quat")->begin()[0] : NULL;
-  return {n_body(),           mass_,           inertia_transverse_, inertia_axial_,    table("xcm"),    table("vcm"),   quaternion,
-          table("ex_space"),  table("ey_space"), table("ez_space"), table("angmom"),   table("omega"),  table("fcm"),   table("torque")};
+      n_body() ? data().prop().getElementProperty<VectorContainer<double, 4>>("quat")->begin()[0] : NULL;
+  return {n_body(),        mass_,          inertia_transverse_, inertia_axial_,    table("xcm"),
+          table("vcm"),    quaternion,     table("ex_space"),   table("ey_space"), table("ez_space"),
+          table("angmom"), table("omega"), table("fcm"),        table("torque")};
 }
 
 void FixMultisphereDamped::setup(int vflag) {

@@ -8,8 +8,8 @@
 
 namespace LAMMPS_NS {
 
-/// `fix ID all multisphere/damped`: clumps of two equal spheres. Bodies, communication and restart are those of the stock fix; the motion is
-/// that of axisymmetric bodies (clump_motion.h), with Cundall's local damping on demand.
+/// `fix ID all multisphere/damped`: clumps of two equal spheres. Bodies, communication and restart are those of the
+/// stock fix; the motion is that of axisymmetric bodies (clump_motion.h), with Cundall's local damping on demand.
 ///   fix_modify ID local_damping ALPHA      0 (default) is none
 class FixMultisphereDamped : public FixMultisphere {
  public:
@@ -22,7 +22,8 @@ class FixMultisphereDamped : public FixMultisphere {
   void final_integrate() override;
   void calc_force(bool setup) override;
   void post_run() override { update_spheres(); }
-  /// Velocities and spins of the spheres at the end of the step. Collective; called at the end of a run, and by what writes them before.
+  /// Velocities and spins of the spheres at the end of the step. Collective; called at the end of a run, and by what
+  /// writes them before.
   void update_spheres();
   int modify_param(int, char **) override;
 

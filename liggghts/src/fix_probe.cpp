@@ -23,7 +23,8 @@ FixProbe::FixProbe(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), fil
   if (comm->nprocs > 1) error->fix_error(FLERR, this, "works on one rank only");
   path_ = arg[4];
   file_ = fopen(path_.c_str(), "wb");
-  if (!file_) error->one(FLERR, (path_ + ": cannot be written; make the folder and check free space and permissions").c_str());
+  if (!file_)
+    error->one(FLERR, (path_ + ": cannot be written; make the folder and check free space and permissions").c_str());
 }
 
 FixProbe::~FixProbe() { fclose(file_); }
@@ -38,7 +39,8 @@ void FixProbe::end_of_step() { write_row(); }
 
 void FixProbe::write_row() {
   last_row_ = update->ntimestep;
-  if (FixMultisphereDamped *clumps = dynamic_cast<FixMultisphereDamped *>(ballast::find_clumps(lmp))) clumps->update_spheres();
+  if (FixMultisphereDamped *clumps = dynamic_cast<FixMultisphereDamped *>(ballast::find_clumps(lmp)))
+    clumps->update_spheres();
   std::vector<double> row(3, 0.0);
   for (const ballast::Contact &contact : ballast::collect_contacts(lmp)) {
     row[0] += 1.0;
@@ -56,7 +58,8 @@ void FixProbe::write_row() {
 }
 
 int FixProbe::modify_param(int narg, char **arg) {
-  if (strcmp(arg[0], "motion") != 0 || narg != 8) error->all(FLERR, "fix_modify ballast/probe: expects motion CLUMP VX VY VZ WX WY WZ");
+  if (strcmp(arg[0], "motion") != 0 || narg != 8)
+    error->all(FLERR, "fix_modify ballast/probe: expects motion CLUMP VX VY VZ WX WY WZ");
   FixMultisphere *clumps = ballast::find_clumps(lmp);
   if (!clumps) error->all(FLERR, "fix_modify ballast/probe motion: there are no clumps");
   const int body = clumps->data().map(force->inumeric(FLERR, arg[1]));

@@ -9,10 +9,10 @@
 
 namespace LAMMPS_NS {
 
-/// `fix ID all ballast/probe EVERY FILE`: all spheres of a small verification case, every EVERY steps, beginning at once. To be defined
-/// after clumps and walls, so that the first row has their forces. One rank only.
-/// A row is binary doubles: contacts, dashpots at their limit, bonds that hold, and for each sphere in the order of ids centre, velocity, spin,
-/// force and torque (three each, SI units).
+/// `fix ID all ballast/probe EVERY FILE`: all spheres of a small verification case, every EVERY steps, beginning at
+/// once. To be defined after clumps and walls, so that the first row has their forces. One rank only. A row is binary
+/// doubles: contacts, dashpots at their limit, bonds that hold, and for each sphere in the order of ids centre,
+/// velocity, spin, force and torque (three each, SI units).
 ///   fix_modify ID motion CLUMP VX VY VZ WX WY WZ     velocity (m/s) and spin (rad/s) of a clump, before the first run
 class FixProbe : public Fix {
  public:

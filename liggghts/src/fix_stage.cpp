@@ -12,7 +12,11 @@
 using namespace LAMMPS_NS;
 
 FixStage::FixStage(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg), start_step_(update->ntimestep), segment_step_(update->ntimestep), segment_time_(0.0), segment_dt_(0.0) {
+    : Fix(lmp, narg, arg),
+      start_step_(update->ntimestep),
+      segment_step_(update->ntimestep),
+      segment_time_(0.0),
+      segment_dt_(0.0) {
   if (narg != 3) error->fix_error(FLERR, this, "takes no arguments");
   vector_flag = 1;
   size_vector = 2;
@@ -50,7 +54,9 @@ int FixStage::modify_param(int, char **arg) {
 }
 
 void FixStage::write_restart(FILE *file) {
-  ballast::write_state(file, comm->me, {static_cast<double>(start_step_), static_cast<double>(segment_step_), segment_time_, segment_dt_});
+  ballast::write_state(
+      file, comm->me,
+      {static_cast<double>(start_step_), static_cast<double>(segment_step_), segment_time_, segment_dt_});
 }
 
 void FixStage::restart(char *buffer) {

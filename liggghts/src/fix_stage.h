@@ -5,8 +5,8 @@
 
 namespace LAMMPS_NS {
 
-/// `fix ID all ballast/stage`: step and time since the start of a stage (packing, preload, cyclic). Kept in restart files, so that
-/// LIGGGHTS' own step runs on: contacts remember the step of their last touch.
+/// `fix ID all ballast/stage`: step and time since the start of a stage (packing, preload, cyclic). Kept in restart
+/// files, so that LIGGGHTS' own step runs on: contacts remember the step of their last touch.
 ///   fix_modify ID start      the stage starts at the present step
 /// Outputs: [1] step of the stage, [2] time of the stage (s).
 class FixStage : public Fix {

@@ -34,15 +34,25 @@ const double NO_LENGTH = 1e-150;  // m; its square is still a number
 }  // namespace
 
 FixWall::FixWall(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg), plane_axis_(-1), type_(ballast::WALLS), hysteretic_(false), constants_(), history_(NULL), built_(-1), contacts_(0) {
+    : Fix(lmp, narg, arg),
+      plane_axis_(-1),
+      type_(ballast::WALLS),
+      hysteretic_(false),
+      constants_(),
+      history_(NULL),
+      built_(-1),
+      contacts_(0) {
   std::fill(displacement_, displacement_ + 3, 0.0);
   std::fill(velocity_, velocity_ + 3, 0.0);
   std::fill(force_, force_ + 3, 0.0);
   for (int n = parse_shape(narg, arg); n < narg; n += 2) {
     const std::string key = arg[n], value = n + 1 < narg ? arg[n + 1] : "";
-    if (key == "model" && (value == "linear" || value == "hysteretic")) hysteretic_ = value == "hysteretic";
-    else if (key == "type" && !value.empty()) type_ = force->inumeric(FLERR, arg[n + 1]);
-    else error->fix_error(FLERR, this, "after its shape expects model linear|hysteretic and type T");
+    if (key == "model" && (value == "linear" || value == "hysteretic"))
+      hysteretic_ = value == "hysteretic";
+    else if (key == "type" && !value.empty())
+      type_ = force->inumeric(FLERR, arg[n + 1]);
+    else
+      error->fix_error(FLERR, this, "after its shape expects model linear|hysteretic and type T");
   }
   grow_arrays(atom->nmax);
   std::fill_n(history_, atom->nmax, ContactHistory());
@@ -102,8 +112,8 @@ void FixWall::move(const double *step) {
 
 void FixWall::set_velocity(const double *velocity) { std::copy(velocity, velocity + 3, velocity_); }
 
-/// Vector from the wall's nearest point to x, and its length squared. side is -1 where x lies inside a block: its nearest face then
-/// pushes it out.
+/// Vector from the wall's nearest point to x, and its length squared. side is -1 where x lies inside a block: its
+/// nearest face then pushes it out.
 double FixWall::gap(const double *x, double *distance, double &side) const {
   double length2 = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -144,7 +154,8 @@ void FixWall::find_candidates() {
 
 void FixWall::evaluate_contacts(bool compute, bool advance) {
   double moved2 = 0.0;
-  for (int d = 0; d < 3; d++) moved2 += (displacement_[d] - displacement_then_[d]) * (displacement_[d] - displacement_then_[d]);
+  for (int d = 0; d < 3; d++)
+    moved2 += (displacement_[d] - displacement_then_[d]) * (displacement_[d] - displacement_then_[d]);
   if (built_ != neighbor->lastcall || moved2 > 0.25 * neighbor->skin * neighbor->skin) find_candidates();
   if (compute) {
     std::fill(force_, force_ + 3, 0.0);
@@ -201,8 +212,10 @@ void FixWall::finish_batch(const int *spheres, int count, bool compute, bool adv
 }
 
 void FixWall::total_force(double *force) {
-  if (comm->nprocs == 1) std::copy(force_, force_ + 3, force);
-  else MPI_Allreduce(force_, force, 3, MPI_DOUBLE, MPI_SUM, world);
+  if (comm->nprocs == 1)
+    std::copy(force_, force_ + 3, force);
+  else
+    MPI_Allreduce(force_, force, 3, MPI_DOUBLE, MPI_SUM, world);
 }
 
 int FixWall::total_contacts() {
@@ -220,7 +233,8 @@ double FixWall::compute_vector(int n) {
 }
 
 void FixWall::grow_arrays(int nmax) {
-  history_ = static_cast<ContactHistory *>(memory->srealloc(history_, nmax * sizeof(ContactHistory), "ballast/wall:history"));
+  history_ =
+      static_cast<ContactHistory *>(memory->srealloc(history_, nmax * sizeof(ContactHistory), "ballast/wall:history"));
 }
 
 void FixWall::copy_arrays(int i, int j, int) { history_[j] = history_[i]; }

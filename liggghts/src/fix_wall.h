@@ -8,13 +8,13 @@
 
 namespace LAMMPS_NS {
 
-/// A wall that spheres touch: a plane, or an axis-parallel block. No triangles: a sphere has one contact with a block, at the point of
-/// it that is nearest to the sphere's centre, on a face, an edge or a corner.
+/// A wall that spheres touch: a plane, or an axis-parallel block. No triangles: a sphere has one contact with a block,
+/// at the point of it that is nearest to the sphere's centre, on a face, an edge or a corner.
 ///   fix ID all ballast/wall xplane|yplane|zplane POSITION model linear|hysteretic type T
 ///   fix ID all ballast/wall block XLO XHI YLO YHI ZLO ZHI model linear|hysteretic type T
-/// The law and its constants are those of the pairs (gran model ballast/...), between types 1 and T. Shear history is kept per sphere, and
-/// displacement and history in restart files. `fix ballast/load` moves a wall.
-/// Outputs: [1]-[3] contact force on the wall (N), [4]-[6] displacement from the deck's place (m), [7] contacts.
+/// The law and its constants are those of the pairs (gran model ballast/...), between types 1 and T. Shear history is
+/// kept per sphere, and displacement and history in restart files. `fix ballast/load` moves a wall. Outputs: [1]-[3]
+/// contact force on the wall (N), [4]-[6] displacement from the deck's place (m), [7] contacts.
 class FixWall : public Fix {
  public:
   FixWall(class LAMMPS *, int, char **);
@@ -57,19 +57,19 @@ class FixWall : public Fix {
   void finish_batch(const int *spheres, int count, bool compute, bool advance);
 
   int plane_axis_;                       // -1 for a block
-  double low_[3], high_[3];              // of the deck; the bounds of a plane are one along its axis and infinite along the others
+  double low_[3], high_[3];  // of the deck; the bounds of a plane are one along its axis and infinite along the others
   double displacement_[3], velocity_[3];
   int type_;
   bool hysteretic_;
   ballast::ContactConstants constants_;
   ballast::ContactBatch batch_;
 
-  ballast::ContactHistory *history_;     // one per sphere
-  std::vector<int> candidates_;          // spheres near the wall, ascending
-  double displacement_then_[3];          // of the wall when they were looked for
-  bigint built_;                         // neighbour list they belong to, -1 = none
-  double force_[3];                      // this rank's
-  int contacts_;                         // this rank's
+  ballast::ContactHistory *history_;  // one per sphere
+  std::vector<int> candidates_;  // spheres near the wall, ascending
+  double displacement_then_[3];  // of the wall when they were looked for
+  bigint built_;  // neighbour list they belong to, -1 = none
+  double force_[3];  // this rank's
+  int contacts_;  // this rank's
 };
 
 }  // namespace LAMMPS_NS

@@ -1,4 +1,5 @@
-// ballast: LIGGGHTS with the contact models, load control and output of this study. Takes the options of LIGGGHTS (-in, -var, -log).
+// ballast: LIGGGHTS with the contact models, load control and output of this study. Takes the options of LIGGGHTS (-in,
+// -var, -log).
 #include <mpi.h>
 
 #include <cstdio>
@@ -12,14 +13,17 @@
 
 namespace {
 
-/// `-var ranks N` says how many ranks a run has. The mpirun of another MPI would start N runs of one rank in the same folder.
+/// `-var ranks N` says how many ranks a run has. The mpirun of another MPI would start N runs of one rank in the same
+/// folder.
 void end_unless_ranks_are_as_told(int argc, char **argv) {
   int ranks;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   for (int n = 1; n + 2 < argc; n++) {
     if (strcmp(argv[n], "-var") != 0 || strcmp(argv[n + 1], "ranks") != 0 || atoi(argv[n + 2]) == ranks) continue;
-    printf("ERROR: %s ranks were asked for, but this process is one of %d: the mpirun that started it belongs to another MPI; put Open "
-           "MPI's first in PATH\n", argv[n + 2], ranks);
+    printf(
+        "ERROR: %s ranks were asked for, but this process is one of %d: the mpirun that started it belongs to another MPI; put Open "
+        "MPI's first in PATH\n",
+        argv[n + 2], ranks);
     MPI_Finalize();
     exit(1);
   }

@@ -19,19 +19,24 @@ namespace {
 
 /// The `fix property/global` of that name, or null.
 FixPropertyGlobal *find_property(LAMMPS *lmp, const char *name, const char *kind) {
-  return static_cast<FixPropertyGlobal *>(lmp->modify->find_fix_property(name, "property/global", kind, 0, 0, "ballast", false));
+  return static_cast<FixPropertyGlobal *>(
+      lmp->modify->find_fix_property(name, "property/global", kind, 0, 0, "ballast", false));
 }
 
 double pair_value(LAMMPS *lmp, const char *name, int a, int b) {
   FixPropertyGlobal *property = find_property(lmp, name, "peratomtypepair");
-  if (!property) stop_with_error(lmp, std::string(name) + ": missing; the deck needs `fix ID all property/global " + name + " peratomtypepair ...`");
+  if (!property)
+    stop_with_error(lmp, std::string(name) + ": missing; the deck needs `fix ID all property/global " + name +
+                             " peratomtypepair ...`");
   return property->compute_array(a - 1, b - 1);
 }
 
 double scalar_value(LAMMPS *lmp, const char *name, const double *otherwise) {
   FixPropertyGlobal *property = find_property(lmp, name, "scalar");
   if (!property && otherwise) return *otherwise;
-  if (!property) stop_with_error(lmp, std::string(name) + ": missing; the deck needs `fix ID all property/global " + name + " scalar ...`");
+  if (!property)
+    stop_with_error(
+        lmp, std::string(name) + ": missing; the deck needs `fix ID all property/global " + name + " scalar ...`");
   return property->compute_scalar();
 }
 
@@ -56,7 +61,8 @@ ContactConstants read_material(LAMMPS *lmp, int a, int b, bool hysteretic) {
   if (mode != 0.0 && mode != 1.0 && mode != 2.0)
     stop_with_error(lmp, "dampingMode: must be 0, 1 or 2; correct the fix property/global");
   if (mode == 0.0 && restitution == 0.0)
-    stop_with_error(lmp, "nominalRestitution: 0 with dampingMode 0 is singular; give a restitution above 0 or another mode");
+    stop_with_error(lmp,
+                    "nominalRestitution: 0 with dampingMode 0 is singular; give a restitution above 0 or another mode");
   c.damping_factor = damping_factor(restitution, static_cast<int>(mode));
   return c;
 }

@@ -14,9 +14,10 @@ namespace ballast {
 enum { PARTICLES = 1, WALLS = 2 };
 
 /// Constants of the law between two types:
-///   normalStiffness, shearStiffness (N/m), dampingRatio, slipFriction, shearModulus (Pa), contactPoissonRatio, nominalRestitution
-///   of the pair of types; scalars dampingMode (0, 1, 2 of eq. 16), and, where given, dashpotLimit (share of critical damping that the
-///   hysteretic dashpot may reach, 1 without it) and dashpotMassShare (share of the effective mass in dashpots, 1 without it).
+///   normalStiffness, shearStiffness (N/m), dampingRatio, slipFriction, shearModulus (Pa), contactPoissonRatio,
+///   nominalRestitution of the pair of types; scalars dampingMode (0, 1, 2 of eq. 16), and, where given, dashpotLimit
+///   (share of critical damping that the hysteretic dashpot may reach, 1 without it) and dashpotMassShare (share of the
+///   effective mass in dashpots, 1 without it).
 /// Ends the run if one is missing or impossible.
 ContactConstants read_material(LAMMPS_NS::LAMMPS *lmp, int type_a, int type_b, bool hysteretic);
 

@@ -27,7 +27,8 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail() const {
-  stop_with_error(lmp_, path_ + ": cannot be written (" + strerror(errno) + "); free disk space or correct permissions, then resume");
+  stop_with_error(lmp_, path_ + ": cannot be written (" + strerror(errno) +
+                            "); free disk space or correct permissions, then resume");
 }
 
 }  // namespace ballast

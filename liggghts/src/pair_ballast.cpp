@@ -24,9 +24,10 @@ namespace {
 // history of a pair in LIGGGHTS' neighbour list; the impact speed exists in the hysteretic law only
 enum { LAST_TOUCH, SHEAR, IMPACT_SPEED = SHEAR + 3 };
 
-/// Indices of the pairs whose spheres touch, in order; returns their number. `touching` has room for one more than there are pairs.
-/// LIGGGHTS' table of positions is contiguous: sphere i begins at 3 i.
-BALLAST_CLONES int find_touching(const double *x, const double *radius, const int *i, const int *j, int pairs, int *touching) {
+/// Indices of the pairs whose spheres touch, in order; returns their number. `touching` has room for one more than
+/// there are pairs. LIGGGHTS' table of positions is contiguous: sphere i begins at 3 i.
+BALLAST_CLONES int find_touching(const double *x, const double *radius, const int *i, const int *j, int pairs,
+                                 int *touching) {
   const int BLOCK = 64;
   double room[BLOCK];
   int count = 0;
@@ -61,7 +62,8 @@ int64_t PairBallast::hashcode_of(bool hysteretic) {
 }
 
 void PairBallast::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *history) {
-  if (narg > 0) stop_with_error(lmp, std::string("pair_style gran: ") + arg[0] + " is no setting of the ballast models");
+  if (narg > 0)
+    stop_with_error(lmp, std::string("pair_style gran: ") + arg[0] + " is no setting of the ballast models");
   history->add_history_value("last_touch_step", "0");
   for (const char *name : {"shear_x", "shear_y", "shear_z"}) history->add_history_value(name, "1");
   if (hysteretic_) history->add_history_value("impact_speed", "0");
@@ -86,13 +88,15 @@ void PairBallast::write_restart_settings(FILE *file) {
 void PairBallast::read_restart_settings(FILE *file, int64_t) {
   if (comm->me != 0) return;
   int64_t code = -1;
-  if (fread(&code, sizeof(code), 1, file) != 1 || code != hashcode()) error->one(FLERR, "the restart file has another contact model");
+  if (fread(&code, sizeof(code), 1, file) != 1 || code != hashcode())
+    error->one(FLERR, "the restart file has another contact model");
 }
 
 void PairBallast::init_granular() {
   constants_ = read_material(lmp, PARTICLES, PARTICLES, hysteretic_);
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->type[i] != PARTICLES) error->one(FLERR, "the ballast models: all spheres must have type 1; type 2 is for walls");
+    if (atom->type[i] != PARTICLES)
+      error->one(FLERR, "the ballast models: all spheres must have type 1; type 2 is for walls");
 }
 
 void PairBallast::list_pairs(PairGran *pair) {
@@ -119,8 +123,8 @@ void PairBallast::compute_force(PairGran *pair, int, int, int) {
   pair->evflag = pair->vflag_fdotr = 0;
   if (neighbor->ago == 0) list_pairs(pair);
   if (pairs_.i.empty()) return;
-  const int count = find_touching(atom->x[0], atom->radius, pairs_.i.data(), pairs_.j.data(), static_cast<int>(pairs_.i.size()),
-                                  touching_.data());
+  const int count = find_touching(atom->x[0], atom->radius, pairs_.i.data(), pairs_.j.data(),
+                                  static_cast<int>(pairs_.i.size()), touching_.data());
   const bool compute = pair->computeflag(), advance = compute && pair->shearupdate();
   for (int first = 0; first < count; first += ContactBatch::SIZE)
     add_forces(touching_.data() + first, std::min(ContactBatch::SIZE + 0, count - first), compute, advance);

@@ -1,5 +1,5 @@
-// `pair_style gran model ballast/linear tangential ballast/slip` and `... model ballast/hysteretic ...`: the paper's contact laws between
-// particles, normal and shear force in one loop.
+// `pair_style gran model ballast/linear tangential ballast/slip` and `... model ballast/hysteretic ...`: the paper's
+// contact laws between particles, normal and shear force in one loop.
 #ifndef BALLAST_PAIR_BALLAST_H
 #define BALLAST_PAIR_BALLAST_H
 
@@ -21,7 +21,8 @@ namespace ballast {
 /// Ids of the models in LIGGGHTS' tables; 40 and 41 are free there.
 enum { LINEAR_ID = 40, HYSTERETIC_ID = 41, SLIP_ID = 40 };
 
-/// Takes the place of LIGGGHTS' own pair loop for these models; neighbour lists, contact history and restart stay its own.
+/// Takes the place of LIGGGHTS' own pair loop for these models; neighbour lists, contact history and restart stay its
+/// own.
 class PairBallast : public LIGGGHTS::PairStyles::IGranularPairStyle, protected LAMMPS_NS::Pointers {
  public:
   PairBallast(LAMMPS_NS::LAMMPS *lmp, bool hysteretic);
@@ -40,7 +41,8 @@ class PairBallast : public LIGGGHTS::PairStyles::IGranularPairStyle, protected L
   static int64_t hashcode_of(bool hysteretic);
 
  private:
-  /// Pairs of neighbours in the order of LIGGGHTS' list: local indices, history, and LIGGGHTS' flag that the history is to be kept.
+  /// Pairs of neighbours in the order of LIGGGHTS' list: local indices, history, and LIGGGHTS' flag that the history is
+  /// to be kept.
   struct Pairs {
     std::vector<int> i, j;
     std::vector<double *> history;
@@ -53,7 +55,7 @@ class PairBallast : public LIGGGHTS::PairStyles::IGranularPairStyle, protected L
   bool hysteretic_;
   ContactConstants constants_;
   ContactBatch batch_;
-  Pairs pairs_;                // of the present neighbour list
+  Pairs pairs_;  // of the present neighbour list
   std::vector<int> touching_;  // which of them touch in this step
 };
 

@@ -44,7 +44,8 @@ PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, int64_t) {
   return new ballast::PairBallast(lmp, HYSTERETIC);
 }
 
-// The style tables are not public. An explicit template instantiation may name them all the same (access is not checked there).
+// The style tables are not public. An explicit template instantiation may name them all the same (access is not checked
+// there).
 typedef std::map<std::string, Fix *(*)(LAMMPS *, int, char **)> FixTable;
 typedef std::map<std::string, void (*)(LAMMPS *, int, char **)> CommandTable;
 

@@ -53,15 +53,18 @@ void write_state_row(LAMMPS *lmp, int narg, char **arg) {
   if (file) {
     fseek(file, 0, SEEK_END);
     if (ftell(file) == 0)
-      fprintf(file, "stage,step,time_s,kinetic_energy_J,unbalanced_ratio,overlap_max_ratio,overlap_mean_m,contacts,clumps,at_limit_share,"
-                    "sliding_share\n");
-    fprintf(file, "%s,%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.0f,%.0f,%.17g,%.17g\n", arg[1], static_cast<long long>(stage->step()),
-            stage->time(), s.kinetic_energy, s.unbalanced_ratio, s.overlap_max_ratio, s.overlap_mean, s.contacts, s.clumps,
-            s.at_limit_share, s.sliding_share);
+      fprintf(
+          file,
+          "stage,step,time_s,kinetic_energy_J,unbalanced_ratio,overlap_max_ratio,overlap_mean_m,contacts,clumps,at_limit_share,"
+          "sliding_share\n");
+    fprintf(file, "%s,%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.0f,%.0f,%.17g,%.17g\n", arg[1],
+            static_cast<long long>(stage->step()), stage->time(), s.kinetic_energy, s.unbalanced_ratio,
+            s.overlap_max_ratio, s.overlap_mean, s.contacts, s.clumps, s.at_limit_share, s.sliding_share);
     written = fclose(file) == 0;
   }
   if (!written)
-    stop_with_error(lmp, std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume");
+    stop_with_error(lmp,
+                    std::string(arg[0]) + ": cannot be written (" + strerror(errno) + "); free disk space and resume");
 }
 
 namespace {
