@@ -1,4 +1,4 @@
-"""The code is written in one hand: `ruff check`, `ruff format` and `clang-format`; rules in pyproject.toml, .clang-format."""
+"""The code is written in one hand: `ruff check` and `ruff format` (pyproject.toml), `clang-format` (.clang-format)."""
 
 import subprocess
 import sys
