@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from analysis.formats import table_file
+from analysis.formats.errors import InputError
 from analysis.formats.file_columns import CYCLES
 from analysis.scenarios.scenario import Scenario
 
@@ -31,7 +32,10 @@ def cycles_done(folder: Path) -> int:
 
     A row without its newline was torn by a kill and does not count.
     """
-    return table_file.last_cycle(folder / "cycles.csv", CYCLES)
+    try:
+        return table_file.last_cycle(folder / "cycles.csv", CYCLES)
+    except InputError as error:
+        raise InputError(folder / error.file, error.key, error.value, error.allowed) from None
 
 
 def cycles_asked(folder: Path) -> int:
