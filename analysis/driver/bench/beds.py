@@ -15,11 +15,14 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import SCENARIO_FILE, Scenario, load_scenario
 
 DEEPEST = 0.1  # of the radius: a clump of the widened bed that reaches deeper into a wall is left out
+NARROW_GAP_M = 0.008
+"""Gap of the lattice of narrow boxes: the loader refuses the full bed's, which would not fill them."""
 VARIANT = """
 [variant.bench]
 title = "the bed of a benchmark: where preload left the sleeper; at rest at once"
 geometry.box_width           = {{ value = {width!r}, unit = "m", status = "derived", source = "number of clumps" }}
 geometry.sleeper_width       = {{ value = {sleeper!r}, unit = "m", status = "derived", source = "likewise" }}
+packing.lattice_gap          = {{ value = {gap!r}, unit = "m", status = "derived", source = "nothing is packed" }}
 geometry.sleeper_base        = {{ value = {base!r}, unit = "m", status = "derived", source = "settlement in preload" }}
 rest.unbalanced_ratio        = {{ value = 1.0, unit = "-", status = "derived", source = "at rest after one block" }}
 rest.kinetic_energy          = {{ value = 1e3, unit = "J", status = "derived", source = "likewise" }}
@@ -57,6 +60,7 @@ def bench_scenario(name: str, variant: str, bed: Preloaded, width: float, work: 
     text = VARIANT.format(
         width=own["geometry.box_width"] * width,
         sleeper=own["geometry.sleeper_width"] * width,
+        gap=min(own["packing.lattice_gap"], NARROW_GAP_M if width < 0.5 else math.inf),
         base=own["geometry.sleeper_base"] - bed.ways_m()["sleeper"],
     )
     file.write_text(SCENARIO_FILE.read_text() + text)
