@@ -61,7 +61,6 @@ MEANINGS = {
     "gain": "gain factor of the servo",
     "lag_from": "what the lag was measured by",
     "contacts": "number of wall contacts that the measured amplitude takes",
-    "how": "measured by unloading, or estimated from the stroke",
     "base": "value without the change",
     "changed": "value with the change",
     "change_ratio": "changed over base, minus 1",

@@ -48,7 +48,17 @@ SERVO_COLUMNS = (
     "predicted_lag_rad",
 )
 
-ELASTIC_COLUMNS = ("run", "scenario", "reading", "code", "cycle", "settlement_m", "elastic_m", "permanent_m", "how")
+ELASTIC_COLUMNS = (
+    "run",
+    "scenario",
+    "reading",
+    "code",
+    "cycle",
+    "stress_before_Pa",
+    "settlement_m",
+    "elastic_m",
+    "permanent_m",
+)
 
 UNLOAD_FILE = "unload.csv"
 """What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`): columns UNLOAD."""
@@ -177,29 +187,17 @@ def _predicted(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def elastic_table(found: Iterable[Member], cycles=(1, 10, 100, 1000)) -> pd.DataFrame:
+def elastic_table(found: Iterable[Member]) -> pd.DataFrame:
     """Settlement split into what springs back at the least prescribed stress and what stays (columns ELASTIC_COLUMNS).
 
-    Measured where a run has unload.csv. Elsewhere estimated from the stroke of the cycle: overlaps of Hertz contacts go
-    with the force to the power 2/3, of linear ones with the force itself, so what is left of them at the least stress
-    reached over that at the least stress prescribed follows from the stroke.
+    Measured, in runs that have unload.csv. It is not estimated elsewhere: rows of a cycle's end and middle lag behind a
+    servo's stress, so the stroke does not follow from them.
     """
     rows = []
     for m in found:
         if m.run.scenario is None:
             continue
-        unloaded = read_unload(m)
-        by_cycle = m.run.cycles.set_index("cycle")
-        for cycle in sorted({n for n in (*cycles, *unloaded.index, last_cycle(m.run)) if n in by_cycle.index}):
-            if cycle in unloaded.index:
-                row = unloaded.loc[cycle]
-                settlement, elastic = row["settlement_before_m"], row["settlement_before_m"] - row["settlement_after_m"]
-                how = "measured"
-            elif m.plain and m.reading == SERVO:
-                settlement = by_cycle.at[cycle, "settlement_m"]
-                elastic, how = estimated_elastic(m, by_cycle.loc[cycle]), "estimated"
-            else:
-                continue
+        for cycle, row in read_unload(m).iterrows():
             rows.append(
                 {
                     "run": m.run.id,
@@ -207,24 +205,13 @@ def elastic_table(found: Iterable[Member], cycles=(1, 10, 100, 1000)) -> pd.Data
                     "reading": m.reading,
                     "code": m.run.code,
                     "cycle": int(cycle),
-                    "settlement_m": settlement,
-                    "elastic_m": elastic,
-                    "permanent_m": settlement - elastic,
-                    "how": how,
+                    "stress_before_Pa": row["stress_before_Pa"],
+                    "settlement_m": row["settlement_before_m"],
+                    "elastic_m": row["settlement_before_m"] - row["settlement_after_m"],
+                    "permanent_m": row["settlement_after_m"],
                 }
             )
     return pd.DataFrame(rows, columns=ELASTIC_COLUMNS)
-
-
-def estimated_elastic(m: Member, row: pd.Series) -> float:
-    """What would spring back if the stress fell from its least value of the cycle to the least prescribed one, m."""
-    s = m.run.scenario
-    power = 2 / 3 if s["contact.model"] == "hysteretic" else 1.0
-    low, high = row["sleeper_stress_min_Pa"], row["sleeper_stress_max_Pa"]
-    stroke = row["settlement_peak_m"] - row["settlement_m"]
-    if not high > low > 0 or not stroke > 0:
-        return math.nan
-    return stroke * (low**power - s["loading.stress_min"] ** power) / (high**power - low**power)
 
 
 def read_unload(m: Member) -> pd.DataFrame:

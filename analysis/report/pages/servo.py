@@ -10,7 +10,7 @@ from analysis.report.figures.servo import filter_figure, stress_range_figure
 from analysis.report.labels import KPA, MM, READING_NAMES, short_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import Chip, Column, Table, number
+from analysis.report.tables import Column, Table, number
 
 
 def servo_page(data: ReportData) -> dict | None:
@@ -83,10 +83,10 @@ def elastic_table(table: pd.DataFrame) -> Table | None:
             Column("run"),
             Column("load"),
             Column("cycle", True),
+            Column("stress, kPa", True),
             Column("settlement, mm", True),
             Column("elastic, mm", True),
             Column("permanent, mm", True),
-            Column("how"),
         ],
     )
     for r in table.itertuples():
@@ -95,15 +95,14 @@ def elastic_table(table: pd.DataFrame) -> Table | None:
                 f"{short_name(r.scenario)}, {CODE_NAMES.get(r.code, r.code)}",
                 READING_NAMES[r.reading],
                 str(r.cycle),
+                number(r.stress_before_Pa, 3, KPA),
                 number(r.settlement_m, 3, MM),
                 number(r.elastic_m, 3, MM),
                 number(r.permanent_m, 3, MM),
-                Chip(r.how, "good" if r.how == "measured" else "calm"),
             ]
         )
     made.note = (
-        "Measured: a copy of the run was unloaded slowly to 50 kPa. Estimated: from the stroke of the cycle, the "
-        "overlap of Hertz contacts going with the force to the power 2/3 and of "
-        "linear ones with the force itself."
+        "Measured with `make unload`: a copy of the run was unloaded slowly from the stress at the end of the cycle to "
+        "50 kPa, with local damping. Elastic is what came back, permanent what stayed."
     )
     return made
