@@ -547,7 +547,7 @@ BAD = {
         _file("s.csv", "experiment,,experiment,\nX,Y,X,Y\n1,2,3,4\n"),
         ["s.csv", "'experiment' occurs twice"],
     ),
-    "not JSON": (_file("s.json", "{"), ["s.json", "not JSON"]),
+    "not JSON": (_file("s.json", "{"), ["s.json", "not JSON", "save the project again"]),
     "JSON of something else": (_file("s.json", '{"a": 1}'), ["s.json", "not a WebPlotDigitizer project", "wpd.json"]),
     "JSON list": (_file("s.json", "[1, 2]"), ["s.json", "not a WebPlotDigitizer project"]),
     "project on a map": (_project(axes_type="MapAxes"), ["wpd.json", "MapAxes", "2D (X-Y) Plot"]),

@@ -144,9 +144,13 @@ def _pair(file: str, line: int, cells: list[str], decimal_comma: bool) -> tuple[
 def _from_json(file: str, text: str) -> list[Dataset]:
     """Project files of version 4 (datasetColl) and of version 3 (wpd.dataSeries)."""
     try:
-        project = json_file.parse(file, text.encode(), dict, "save the project again")
+        project = json_file.parse(file, text.encode(), object)
     except InputError as error:
-        raise DigitiserError(str(error)) from None
+        raise DigitiserError(
+            f"{file}: is not JSON that can be used ({error.allowed}); save the project again"
+        ) from None
+    if not isinstance(project, dict):
+        raise DigitiserError(f"{file}: is not a WebPlotDigitizer project; give the wpd.json of the saved project")
     try:
         if "wpd" in project:
             old = project["wpd"]
