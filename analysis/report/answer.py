@@ -22,7 +22,7 @@ class Outcome:
     reading: str
     code: str
     cycle: int
-    """The last shown cycle that all its beds reach."""
+    """After which it is told, see `told_cycle`."""
     beds: int
     settlement_m: float
     low_m: float
@@ -54,18 +54,34 @@ def outcomes(found: Findings, scenarios: Iterable[str], profile: str) -> dict[tu
     for scenario in scenarios:
         for reading in READINGS:
             for code in CODES:
-                outcome = _outcome(found, profile, scenario, reading, code)
+                outcome = _outcome(found, profile, scenario, reading, code, told_cycle(found, profile, scenario, code))
                 if outcome is not None:
                     result[scenario, reading, code] = outcome
     return result
 
 
-def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: str) -> Outcome | None:
+LEAST_TOLD = 100
+"""Outcomes are told after at least this many cycles where all readings have reached them."""
+
+
+def told_cycle(found: Findings, profile: str, scenario: str, code: str) -> int:
+    """The cycle after which a scenario is told, the same in each reading: of those that every reading has reached and
+    that are long enough, the one with most packed beds, of equals the last.
+    """
+    rows = only(found.values, profile=profile, scenario=scenario, code=code, quantity="settlement_m")
+    beds = rows.pivot_table(index="cycle", columns="reading", values="beds").dropna().min(axis=1)
+    if beds.empty:
+        return 0
+    beds = beds[beds.index >= min(LEAST_TOLD, beds.index.max())]
+    return int(beds[beds == beds.max()].index.max())
+
+
+def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: str, cycle: int) -> Outcome | None:
     where = {"profile": profile, "scenario": scenario, "reading": reading, "code": code}
     values = only(found.values, **where, quantity="settlement_m").sort_values("cycle")
-    if values.empty:
+    if cycle not in set(values["cycle"]):
         return None
-    shared = values[values["beds"] == values["beds"].max()].iloc[-1]
+    shared = values.set_index("cycle").loc[cycle]
     first = values.loc[values["cycle"] == 1, "mean"]
     runs = [m for m in found.members if m.plain and m.key == (profile, scenario, reading, code)]
     longest = max(runs, key=lambda m: (m.run.cycles["cycle"].iloc[-1], -m.run.seed)).run
@@ -78,7 +94,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         scenario,
         reading,
         code,
-        int(shared["cycle"]),
+        cycle,
         int(shared["beds"]),
         shared["mean"],
         shared["low"],
