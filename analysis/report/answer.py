@@ -41,6 +41,8 @@ class Outcome:
     peak_acceleration_m_s2: float
     stress_min_Pa: float
     stress_max_Pa: float
+    elastic_m: float
+    """What of the settlement at its end springs back at the least prescribed stress, where that was measured."""
 
     @property
     def first_share(self) -> float:
@@ -89,6 +91,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
     inner = longest.microstructure["crib_heave_m"].dropna()
     last = longest.cycles.iloc[-1]
     stroke = last["settlement_peak_m"] - last["settlement_m"]
+    elastic = only(found.elastic, run=longest.id, cycle=int(last["cycle"]))["elastic_m"]
     frequency = longest.scenario["loading.frequency"] if longest.scenario is not None else math.nan
     return Outcome(
         scenario,
@@ -108,6 +111,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         stroke / 2 * (2 * math.pi * frequency) ** 2,
         last["sleeper_stress_min_Pa"],
         last["sleeper_stress_max_Pa"],
+        float(elastic.iloc[0]) if len(elastic) else math.nan,
     )
 
 
