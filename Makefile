@@ -11,7 +11,7 @@ CYCLES    ?=
 BED       ?=
 REDO      ?=
 SCENARIOS ?=
-CASE      ?= tests/impact.toml
+CASE      ?= examples/impact.toml
 TIMES     ?= 25
 
 # Values reach the shell through the environment, as they were typed: neither make nor the shell reads them as code.
@@ -91,7 +91,7 @@ torture: setup ## kill and stop runs of the demo bed TIMES times per code and la
 	@.venv/bin/python tests/torture.py --times="$$TIMES"
 verify: setup ## contact laws and clumps of both codes against closed forms
 	@$(ANALYSIS) verify
-impact: setup ## any impact of two bodies in both codes: make impact CASE=tests/impact.toml, or CASE=<scenario>
+impact: setup ## any impact of two bodies in both codes: make impact CASE=examples/impact.toml, or CASE=<scenario>
 	@$(ANALYSIS) impact -- "$$CASE"
 mutations: setup ## wrong laws that the verification must notice: which case catches which (half an hour)
 	@$(ANALYSIS) mutations

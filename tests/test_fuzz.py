@@ -168,7 +168,7 @@ def test_scenario_files(tmp_path):
 
 def test_impact_files(tmp_path):
     path = tmp_path / "impact.toml"
-    shutil.copy(ROOT / "tests" / "impact.toml", path)
+    shutil.copy(ROOT / "examples" / "impact.toml", path)
     assert fuzz(path, OF_TEXTS, lambda path: read_impact(path).probe()) > MUTATIONS / 4
 
 

@@ -146,7 +146,7 @@ def test_bad_impact_files_are_refused_in_one_line(tmp_path, capsys, old, new, sa
 
 
 def test_example_is_a_good_file():
-    case = impact.read_impact(ROOT / "tests" / "impact.toml")
+    case = impact.read_impact(ROOT / "examples" / "impact.toml")
     assert case.balls[1].radius == 0.02 and not case.wall
 
 
@@ -235,6 +235,28 @@ def test_impact_command(code, tmp_path):
     momentum = first.mass * float(row["velocity_1_z_m_s"]) + second.mass * float(row["velocity_2_z_m_s"])
     assert momentum == pytest.approx(first.mass * first.velocity[2], rel=1e-6)
     assert (tmp_path / "case_series.csv").read_text().startswith("code,time_s,overlap_m,normal_force_N,shear_force_N\n")
+
+
+def test_a_grazing_impact_keeps_its_ball_and_has_no_restitution_beyond_one(tmp_path):
+    """30 m/s at 80 degrees: the ball flies far, and glances past so soft a contact, along the first line of centres."""
+    path = write(tmp_path, GOOD.replace("value = 2.0", "value = 30.0").replace("60.0", "80.0"))
+    assert impact.main([str(path), "--code", "liggghts", "--out", str(tmp_path)]) == 0
+    with open(tmp_path / "case.csv", newline="") as file:
+        row = {key: float(value) for key, value in next(csv.DictReader(file)).items() if key not in ("code", "remark")}
+    first = impact.read_impact(path).balls[0]
+    assert row["restitution"] == pytest.approx(row["velocity_1_z_m_s"] / -first.velocity[2], rel=1e-3)
+    assert -1 < row["restitution"] < 0 and 0.99 < row["tangential_restitution"] < 1
+    change = [row["velocity_1_x_m_s"] - first.velocity[0], row["velocity_1_z_m_s"] - first.velocity[2]]
+    assert row["impulse_ratio"] == pytest.approx(-change[0] / change[1], rel=0.01)
+
+
+def test_youngs_modulus_is_as_good_as_the_shear_modulus(tmp_path):
+    body = 'shear_modulus = { value = 30e6, unit = "Pa" }\npoisson_ratio = { value = 0.25, unit = "-" }\n'
+    both = GOOD.replace("[contact", body + "[contact", 1).replace("[body_2]", body + "[body_2]", 1)
+    young = both.replace("shear_modulus = { value = 30e6", "young_modulus = { value = 75e6")
+    one, other = (impact.read_impact(write(tmp_path, text)).scenario for text in (both, young))
+    key = "contact.particle_particle.shear_modulus"
+    assert one[key] == pytest.approx(other[key], rel=1e-12)
 
 
 def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):

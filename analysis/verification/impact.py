@@ -11,14 +11,20 @@ The file is written like the scenario file, with a value and a unit for every ke
     radius  = { value = 0.01, unit = "m" }
     density = { value = 2600.0, unit = "kg/m3" }
     spin    = { value = [0.0, 20.0, 0.0], unit = "rad/s" }  # default none
-    shear_modulus = { value = 30e6, unit = "Pa" }           # of both bodies with poisson_ratio, or of none
+    shear_modulus = { value = 30e6, unit = "Pa" }           # or young_modulus; of both bodies, with poisson_ratio
     poisson_ratio = { value = 0.25, unit = "-" }
     motion  = { value = "free", unit = "-" }                # body 2 only: free | held
     [contact]                                               # any contact key of the scenario file
     model   = { value = "hysteretic", unit = "-" }
 
 The contact's normal is z, body 1 comes from above and moves towards +x. Writes <out>/<file>.csv, a row per code, and
-<out>/<file>_series.csv with forces over time.
+<out>/<file>_series.csv with forces over time. Results along and across the line of centres at first touch:
+
+    restitution              normal relative speed after over before; below 0 where body 1 glances past
+    tangential_restitution   the same of the tangential relative velocity of the centres
+    rebound_angle_degrees    of the contact patch: tangential over normal velocity after, negative where it slides back
+    impulse_ratio            tangential over normal impulse
+    expected_restitution     of a head-on impact by the paper's law, also beside YADE, which has another one at e_n < 1
 """
 
 from __future__ import annotations
@@ -54,6 +60,7 @@ BODY_KEYS = {
     "density": Key("kg/m3", float, 1, 25000),
     "spin": Key("rad/s", list, -1e5, 1e5),
     "shear_modulus": Key("Pa", float, 1, 1e13),
+    "young_modulus": Key("Pa", float, 1, 1e13),
     "poisson_ratio": Key("-", float, 0, 0.49),
 }
 KEYS = {
@@ -133,6 +140,12 @@ def read_impact(path: Path) -> Impact:
             raise refuse(key, values[key], "no body_2 where impact.against is wall")
 
     changes = {key.replace(".", "__"): value for key, value in values.items() if key.startswith("contact.")}
+    for body in ("body_1", "body_2"):
+        if f"{body}.young_modulus" in values:
+            young = values.pop(f"{body}.young_modulus")
+            if f"{body}.shear_modulus" in values or f"{body}.poisson_ratio" not in values:
+                raise refuse(f"{body}.young_modulus", young, "with poisson_ratio, and without shear_modulus")
+            values[f"{body}.shear_modulus"] = young / (2 * (1 + values[f"{body}.poisson_ratio"]))
     given = [f"{body}.{name}" for body in ("body_1", "body_2") for name in ("shear_modulus", "poisson_ratio")]
     present = [key for key in given if key in values]
     if present and (len(present) < 4 or on_wall):
@@ -206,21 +219,22 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
     shear = found.force[:, 0] - normal_force[:, None] * normal
     touching = np.flatnonzero(overlap > 0)
     separated = len(touching) > 0 and touching[-1] + 1 < len(overlap)
-    parting = np.einsum("ni,ni->n", relative, normal)
-    expected = oracle.head_on(impact.law(code), impact.normal_speed)
+    law = impact.law("liggghts")  # the paper's
+    expected = oracle.head_on(law, impact.normal_speed).restitution
+    peak = oracle.head_on(impact.law(code), impact.normal_speed).peak_overlap_m
     row = {
         "code": code,
         "peak_overlap_m": overlap.max(),
         "peak_normal_force_N": normal_force.max(),
         "peak_shear_force_N": np.linalg.norm(shear, axis=1).max(),
         "duration_s": (touching[-1] - touching[0] + 1) * probe.step if separated else math.nan,
-        "restitution": parting[-1] / impact.normal_speed if separated else math.nan,
+        **_rebound(probe, found, relative, normal, touching, separated),
     }
     for k in range(len(probe.balls)):
         for what, values in (("velocity", found.velocity), ("spin", found.spin)):
             unit = "m_s" if what == "velocity" else "rad_s"
             row |= {f"{what}_{k + 1}_{axis}_{unit}": values[-1, k, n] for n, axis in enumerate("xyz")}
-    row |= {"expected_restitution": expected.restitution, "expected_peak_overlap_m": expected.peak_overlap_m}
+    row |= {"expected_restitution": expected, "expected_peak_overlap_m": peak}
     row["remark"] = "" if separated else "no separation within the time that was run"
     if code == "yade" and isinstance(impact.law(code), oracle.ViscousHertz):
         row["remark"] = (
@@ -229,6 +243,36 @@ def evaluate(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
             + row["remark"]
         )
     return row, np.array([found.time, overlap, normal_force, np.linalg.norm(shear, axis=1)])
+
+
+def _rebound(probe: Probe, found: Trajectory, relative, normal, touching, separated: bool) -> dict[str, float]:
+    """What comes out along and across the line of centres at first touch; nan without separation."""
+    names = ("restitution", "tangential_restitution", "rebound_angle_degrees", "impulse_ratio")
+    if not separated:
+        return dict.fromkeys(names, math.nan)
+    first, along = probe.balls[0], normal[touching[0]]
+    start = np.subtract(first.velocity, probe.balls[1].velocity if len(probe.balls) > 1 else 0.0)
+    turns = [sum(ball.radius * np.array(ball.spin) for ball in probe.balls)]
+    turns.append(sum(ball.radius * found.spin[-1, k] for k, ball in enumerate(probe.balls)))
+    # velocity of body 1's contact point against that of body 2, before and after
+    patch = [v - np.cross(turn, along) for v, turn in zip((start, relative[-1]), turns, strict=True)]
+
+    def split(vector) -> tuple[float, np.ndarray]:
+        across = vector - (vector @ along) * along
+        return float(vector @ along), across
+
+    (before, came), (after, went) = split(start), split(relative[-1])
+    (_, slid), (_, slides) = split(patch[0]), split(patch[-1])
+    size, sliding = float(np.linalg.norm(came)), float(np.linalg.norm(slid))
+    pushed, dragged = split(first.mass * (found.velocity[-1, 0] - np.array(first.velocity)))
+    sideways = float(slides @ slid) / sliding if sliding else 0.0
+    values = (
+        after / -before,
+        float(went @ came) / size**2 if size else math.nan,
+        math.degrees(math.atan2(sideways, after)),
+        float(np.linalg.norm(dragged)) / pushed,
+    )
+    return dict(zip(names, values, strict=True))
 
 
 def main(argv: list[str]) -> int:

@@ -214,6 +214,9 @@ def _liggghts_case(probe: Probe) -> str:
         moves = [[component * steps * probe.step for component in velocity] for velocity, steps in probe.path]
         places = [ball.position for ball in balls] + list(balls[0].position + np.cumsum(moves or [[0.0] * 3], axis=0))
         reach = max(abs(c) for place in places for c in place) + 2 * max(ball.radius for ball in balls)
+        if probe.gravity == 0:  # how far balls can fly: a struck light one at twice the speed, or by its spin
+            fastest = max(2 * np.linalg.norm(b.velocity) + b.radius * np.linalg.norm(b.spin) for b in balls)
+            reach += float(fastest) * probe.step * probe.steps
         values["reach"] = repr(float(1.01 * reach))
         values["any_free"], values["driven"] = int(any(free)), int(bool(probe.path))
         values["ball"] = " ".join(str(n) for n in range(1, len(balls) + 1))
