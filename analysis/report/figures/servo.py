@@ -111,7 +111,7 @@ def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         "servo-stress",
         "The stress that PFC's servo applied",
         "Least to largest over the last five cycles of each first packed bed; broken lines: 50 and 460 kPa, which "
-        "the paper "
-        "asks for. ● LIGGGHTS, □ YADE; the number is "[c],
+        "the paper asks for. ● LIGGGHTS, □ YADE.",
+        [c],
         [],
     )
