@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -59,6 +60,7 @@ std::vector<Pose> read_bed(LAMMPS *lmp, const std::string &path) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
   if (line != BED_HEADER) stop_with_error(lmp, path + ": is no bed file; its first line must be " + BED_HEADER);
   std::vector<Pose> bed;
+  std::set<int> ids;
   for (int number = 2; std::getline(file, line); number++) {
     if (line.find_first_not_of(" \r\t") == std::string::npos) continue;
     Pose p;
@@ -67,9 +69,10 @@ std::vector<Pose> read_bed(LAMMPS *lmp, const std::string &path) {
                              p.centre + 2, q, q + 1, q + 2, q + 3);
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (found != 8 || p.id < 1 || !(std::fabs(norm - 1.0) < 1e-6) ||
-        !std::isfinite(p.centre[0] + p.centre[1] + p.centre[2])) {
+        !std::isfinite(p.centre[0] + p.centre[1] + p.centre[2]) || !ids.insert(p.id).second) {
       std::ostringstream text;
-      text << path << ": line " << number << " is no clump; expected a positive id, a position and a unit quaternion";
+      text << path << ": line " << number
+           << " is no clump; expected a positive id that no other line has, a position and a unit quaternion";
       stop_with_error(lmp, text.str());
     }
     bed.push_back(p);
