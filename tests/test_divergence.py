@@ -30,10 +30,10 @@ def load(step, stress=0.0, down=0.001):
     }
 
 
-def cycle(watch, number, peak):
+def cycle(watch, number, peak, grid=GRID):
     """Feed all rows of a cycle whose load rises to `peak`."""
     for row in range(SCENARIO["output.rows_per_cycle"]):
-        step = number * GRID.steps_per_cycle + (row + 1) * GRID.steps_per_row
+        step = number * grid.steps_per_cycle + (row + 1) * grid.steps_per_row
         watch.load(load(step, peak * math.sin(math.pi * (row + 1) / SCENARIO["output.rows_per_cycle"])))
 
 
@@ -89,10 +89,11 @@ def test_a_cycle_without_its_load_stops_the_run_at_its_end():
 
 
 def test_a_load_that_pfcs_servo_does_not_reach_is_a_result_and_stops_nothing():
-    watch = Watch(load_scenario("linear-mu0.8", "demo", variant="servo"), "cyclic")
+    servo = load_scenario("linear-mu0.8", "demo", variant="servo")
+    watch, grid = Watch(servo, "cyclic"), derived.time_grid(servo)
     watch.load(load(0))
     for number in range(3):
-        cycle(watch, number, 200e3)
+        cycle(watch, number, 200e3, grid)
 
 
 def test_the_rest_of_a_cycle_that_was_resumed_in_its_middle_is_not_judged():

@@ -19,6 +19,7 @@ from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 
 POLL_S = 0.2
+SIGNAL_S = 0.02  # so soon is a request to stop passed on
 HEARTBEAT_S = 10.0
 STALL_S = 1800.0  # an engine without output for so long hangs: the longest block takes minutes
 FREE_BYTES = 65536  # less is free only where a file did not fit. YADE then tries for ever to write its checkpoint
@@ -97,12 +98,7 @@ class Supervisor:
         """Run the engine to its end. Raises Diverged, RunError or Interrupted; the engine never outlives this call."""
         engine, asked = EngineProcess(argv, self.folder / "log" / f"{self.stage}.log", threads), False
         try:
-            while (code := engine.wait(POLL_S)) is None:
-                self.look()
-                self.renew()
-                self._check_disk()
-                self._check_stall()
-                self._show()
+            while (code := self._wait(engine, asked)) is None:
                 if self.stop.signal and not asked:
                     asked = True
                     engine.ask_to_stop()
@@ -110,6 +106,11 @@ class Supervisor:
                         "the checkpoint" if self.stage == "cyclic" else f"{self.stage} to stop, which will begin again"
                     )
                     self.progress.say(f"asked to stop: waiting for {what}; another Ctrl-C kills")
+                self.look()
+                self.renew()
+                self._check_disk()
+                self._check_stall()
+                self._show()
                 if self.stop.kill:
                     engine.kill()
             self.look()
@@ -119,6 +120,14 @@ class Supervisor:
         finally:
             self._report()
         self._judge(engine, code)
+
+    def _wait(self, engine: EngineProcess, asked: bool) -> int | None:
+        """Exit code, or None after POLL_S; at once where a stop is requested that the engine has not been asked for."""
+        end = time.monotonic() + POLL_S
+        while (code := engine.wait(SIGNAL_S)) is None and time.monotonic() < end:
+            if self.stop.signal and not asked:
+                break
+        return code
 
     # ------------------------------------------------------------------ output
 
