@@ -138,10 +138,10 @@ def test_empty_bed_and_sphere_outside_the_box():
 def test_bed_file_errors_are_one_line(tmp_path):
     good = "id,x_m,y_m,z_m,qw,qx,qy,qz\n2,1,1,1,1,0,0,0\n1,0,0,0,1,0,0,0\n"
     for name, text, said in (
-        ("a.csv", good.replace("qz\n", "q\n"), "column qz"),
-        ("b.csv", good.replace("0,0,0,1", "0,x,0,1"), "no number"),
+        ("a.csv", good.replace("qz\n", "q\n"), "line 1 is not id,x_m,y_m,z_m,qw,qx,qy,qz"),
+        ("b.csv", good.replace("0,0,0,1", "0,x,0,1"), "line 3 is no clump"),
         ("c.csv", "id,x_m,y_m,z_m,qw,qx,qy,qz\n", "no clumps"),
-        ("d.csv", "", "cannot be read"),
+        ("d.csv", "", "line 1 is not id"),
     ):
         (tmp_path / name).write_text(text)
         with pytest.raises(ValueError, match=said) as caught:
