@@ -264,7 +264,7 @@ def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
     broken = tmp_path / "ballast"
     broken.write_text("#!/bin/sh\necho 'ERROR: out of order'\nexit 1\n")
     broken.chmod(0o755)
-    monkeypatch.setattr(engines, "HOST", broken)
+    monkeypatch.setattr(engines.LIGGGHTS, "host", broken)
     results, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
     assert [(row.case, row.passed) for row in results.rows] == [("wall-dashpot", False), ("load-control", False)]
     assert "out of order" in results.rows[0].reason
