@@ -150,7 +150,8 @@ def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[di
 
 
 def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
-    """Everything that the sentences of templates/answer.txt need."""
+    """Everything that the sentences of templates/answer.txt need; claims only where the profile has a run."""
+    judged = found.verdicts if any(m.run.profile == profile for m in found.members) else found.verdicts.iloc[:0]
     linear, nonlinear = (*key_scenarios, "", "")[:2]
     agreement = only(found.agreement, profile=profile)
     return {
@@ -160,7 +161,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "outcomes": outcomes(found, [linear, nonlinear], profile),
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
-        "claims": claim_counts(found.verdicts).to_dict("records"),
+        "claims": claim_counts(judged).to_dict("records"),
         "agreement_limit": agreement["within_ratio"].max() if len(agreement) else math.nan,
     }
 
