@@ -99,10 +99,14 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, old, new, words):
 
 def test_make_starts_the_rows_in_order_and_longer_runs_after_the_shorter_ones(tmp_path):
     rules = command.makefile(ROWS, "echo")
-    done = subprocess.run(["make", "-f", "-", "study"], input=rules, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["make", "--no-print-directory", "-f", "-", "study"], input=rules, capture_output=True, text=True, check=True
+    )
     assert [line.split()[-1] for line in done.stdout.splitlines()] == [r.name for r in ROWS]
     long = next(r for r in ROWS if r.run == ("nonlinear-en1.0+servo", "liggghts", 1) and r.cycles == 1000)
-    alone = subprocess.run(["make", "-f", "-", long.name], input=rules, capture_output=True, text=True, check=True)
+    alone = subprocess.run(
+        ["make", "--no-print-directory", "-f", "-", long.name], input=rules, capture_output=True, text=True, check=True
+    )
     assert [line.split()[-1] for line in alone.stdout.splitlines()] == [
         long.name.replace("1000cycles", "100cycles"),
         long.name,
