@@ -111,3 +111,11 @@ def test_without_a_baseline_ours_are_compared_with_stock_only():
 
 def test_the_exponent_of_a_power_law_is_found():
     assert tables.exponent([(n, 5e6 / n) for n in (500, 1500, 4573)]) == pytest.approx(-1, abs=1e-12)
+
+
+def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):
+    table = tmp_path / "benchmark.csv"
+    tables.renew(table, tables.COLUMNS, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
+    tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
+    tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
+    assert table.read_text().splitlines()[1:] == ["over_stock,liggghts,linear,5.0,6.0", "over_stock,yade,linear,1.0,2.0"]

@@ -30,6 +30,22 @@ def test_a_run_counts_for_its_step_its_seed_and_its_ranks_only(tmp_path):
     assert done == ["verified"] and timestep.only_time_differs(run)
 
 
+def test_steps_are_compared_from_one_packed_bed(tmp_path):
+    def run(step, bed, seed=1):
+        name = f"{step}-{bed}-{seed}"
+        folder = write_run(tmp_path / name, "full", NAME + step, "liggghts", cycles=20, contacts=False, seed=seed)
+        made = Run(folder)
+        made.stages["packing"] = {"bed_sha256": bed}
+        return made
+
+    runs = [run("", "new"), run("+paper-step", "old"), run("+paper-step", "new"), run("", "other", seed=2)]
+    bed = timestep.common_bed(runs, timestep.wanted(NAME, CRITICAL_S))
+    assert bed == "new"
+    assert timestep.best(runs, want("paper"), bed) is runs[2]
+    assert timestep.best(runs[:2], want("paper"), bed) is None
+    assert timestep.best(runs, want("seed 2"), bed) is runs[3], "a seed is another bed"
+
+
 def test_a_run_of_another_law_of_loading_does_not_count(tmp_path):
     run = Run(write_run(tmp_path, "full", f"{NAME}+servo", "liggghts", cycles=2, contacts=False))
     assert not timestep.only_time_differs(run)

@@ -91,9 +91,20 @@ def exponent(rows: list[tuple[float, float]]) -> float:
 def write(timings_file: Path, size_timings_file: Path) -> list[tuple]:
     """Renew the tables of the repository from all timings; rows of the comparison."""
     rows = comparison(read_timings(timings_file), read_baseline())
-    if rows:
-        write_csv(TABLE, [COLUMNS, *rows])
-    by_size = sizes(read_timings(size_timings_file))
-    if by_size:
-        write_csv(SIZES, [SIZE_COLUMNS, *by_size])
+    renew(TABLE, COLUMNS, rows, key=("code", "law"))
+    renew(SIZES, SIZE_COLUMNS, sizes(read_timings(size_timings_file)), key=("code", "law", "clumps", "ranks"))
     return rows
+
+
+def renew(table: Path, columns: tuple, rows: list[tuple], key: tuple) -> None:
+    """Write rows into a table in place of those with the same key; rows of what was not timed now stay."""
+    if not rows:
+        return
+    places = [columns.index(name) for name in key]
+    timed = {tuple(str(row[n]) for n in places) for row in rows}
+    kept = []
+    if table.exists():
+        with open(table, newline="", encoding="utf-8") as file:
+            kept = [tuple(row[name] for name in columns) for row in csv.DictReader(file)]
+    others = [row for row in kept if tuple(row[n] for n in places) not in timed]
+    write_csv(table, [columns, *sorted((*others, *rows), key=lambda row: tuple(str(row[n]) for n in places))])
