@@ -118,4 +118,7 @@ def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):
     tables.renew(table, tables.COLUMNS, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
     tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
     tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
-    assert table.read_text().splitlines()[1:] == ["over_stock,liggghts,linear,5.0,6.0", "over_stock,yade,linear,1.0,2.0"]
+    assert table.read_text().splitlines()[1:] == [
+        "over_stock,liggghts,linear,5.0,6.0",
+        "over_stock,yade,linear,1.0,2.0",
+    ]
