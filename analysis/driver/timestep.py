@@ -4,7 +4,8 @@
 0.6, 0.7 and 0.8 of the critical step that was measured on the preloaded bed, all from one packed bed. At the study's
 step it loads two more packing seeds, and the same bed on two ranks, which differ by rounding alone. Runs that exist
 already, in results/ or kept in the repository, are not made again, whatever they were made for. The runs take hours;
-reference_data/runs/timestep.csv is renewed after each, and what is not done yet is in it as pending. `ballast timestep --collect` makes no run.
+reference_data/runs/timestep.csv is renewed after each, and what is not done yet is in it as pending.
+`ballast timestep --collect` makes no run.
 """
 
 from __future__ import annotations
