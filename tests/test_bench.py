@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from analysis.driver.bench import beds, stock, tables
+from analysis.driver.bench import beds, profile, stock, tables
 from analysis.driver.bench.meter import measure
 from analysis.driver.engine import EngineError
 from analysis.scenarios import derived
@@ -122,3 +122,25 @@ def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):
         "over_stock,liggghts,linear,5.0,6.0",
         "over_stock,yade,linear,1.0,2.0",
     ]
+
+
+PERF = """
+    60.00%  [.] ballast::PairBallast::add_forces
+    20.00%  [.] LAMMPS_NS::FixWall::gap
+    10.00%  [.] LAMMPS_NS::FixMultisphereDamped::calc_force
+    10.00%  [k] clear_page_rep
+"""
+
+
+def test_samples_of_functions_are_summed_by_part():
+    assert profile.shares_of(PERF, "liggghts") == pytest.approx(
+        {
+            "contacts between particles": 0.6,
+            "walls, sleeper and plates": 0.2,
+            "motion of clumps": 0.1,
+            "other": 0.1,  # the kernel
+        },
+        abs=1e-12,
+    )
+    with pytest.raises(EngineError, match="no function"):
+        profile.shares_of("# nothing", "yade")

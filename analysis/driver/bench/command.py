@@ -16,7 +16,7 @@ from pathlib import Path
 
 from analysis.arguments import Parser
 from analysis.driver import options
-from analysis.driver.bench import tables
+from analysis.driver.bench import profile, tables
 from analysis.driver.bench.beds import Preloaded
 from analysis.driver.bench.cases import WHO, Case
 from analysis.driver.engine import EngineError
@@ -32,6 +32,7 @@ from analysis.scenarios.study import key_scenarios
 CLUMPS = (500, 1500, 4573, 15000)
 RANKS = (1, 2)
 WORK = ROOT / "report" / "benchmark"
+WHAT = ("compare", "sizes", "profile")
 
 
 def preloaded(name: str, profile: str, results: Path) -> Preloaded:
@@ -49,7 +50,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("--repeats", type=options.whole, default=3, help="timings of each (default 3)")
     parser.add_argument("--codes", nargs="+", choices=CODES, default=list(CODES))
     parser.add_argument("--scenario", nargs="+", default=list(key_scenarios()), help="scenarios, one for each law")
-    parser.add_argument("--what", nargs="+", choices=("compare", "sizes"), default=["compare", "sizes"])
+    parser.add_argument("--what", nargs="+", choices=WHAT, default=list(WHAT))
     parser.add_argument("--results", type=options.path, default=RESULTS, help="where preloaded beds may be found")
     parser.add_argument("--work", type=options.path, default=WORK, help="folder of what is timed")
 
@@ -66,6 +67,8 @@ def execute(chosen: argparse.Namespace) -> int:
         if "sizes" in chosen.what:
             name = chosen.scenario[-1]
             repeat(size_cases(name, beds[name], chosen.codes, work, chosen.profile), chosen.repeats, by_size)
+        if "profile" in chosen.what:
+            profiled(beds, chosen.codes, work, chosen.profile)
     except EngineError as error:
         print(f"bench: {error}", file=sys.stderr)
         return 1
@@ -78,6 +81,21 @@ def execute(chosen: argparse.Namespace) -> int:
     for case, code, law, speed, ratio in rows:
         print(f"{case:20} {code:9} {law:10} {speed:20.1f} {ratio:7.3f}")
     return 0
+
+
+def profiled(beds: dict[str, Preloaded], codes: list[str], work: Path, size: str) -> None:
+    """Where the time of ours goes; on the full bed for the table of the repository too."""
+    if not profile.is_there():
+        print("bench: no profile: Linux `perf` is missing (Debian package linux-perf)", file=sys.stderr)
+        return
+    rows = []
+    for case in (Case(code, name, "verified", bed, work, size) for code in codes for name, bed in beds.items()):
+        case.prepare()
+        rows += profile.sample(case)
+    for code, law, part, share in rows:
+        print(f"{code:9} {law:10} {part:42} {share:6.1%}")
+    if size == "full":
+        tables.renew(tables.PROFILE, profile.COLUMNS, rows, key=("code", "law"))
 
 
 def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[Case]:

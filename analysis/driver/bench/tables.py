@@ -12,7 +12,7 @@ from analysis.files import ROOT, write_csv
 from analysis.formats import toml_file
 
 RUNS = ROOT / "reference_data" / "runs"
-TABLE, SIZES = RUNS / "benchmark.csv", RUNS / "benchmark_sizes.csv"
+TABLE, SIZES, PROFILE = (RUNS / f"{name}.csv" for name in ("benchmark", "benchmark_sizes", "benchmark_profile"))
 BASELINE = RUNS / "benchmark_baseline.toml"
 TIMINGS = ("code", "law", "who", "clumps", "ranks", "steps", "steps_per_cycle", "cpu_s", "wall_s", "load_average")
 COLUMNS = ("case", "code", "law", "steps_per_cpu_s", "ratio")
@@ -107,4 +107,5 @@ def renew(table: Path, columns: tuple, rows: list[tuple], key: tuple) -> None:
         with open(table, newline="", encoding="utf-8") as file:
             kept = [tuple(row[name] for name in columns) for row in csv.DictReader(file)]
     others = [row for row in kept if tuple(row[n] for n in places) not in timed]
+    # stable: rows of one key stay in the order in which they came
     write_csv(table, [columns, *sorted((*others, *rows), key=lambda row: tuple(str(row[n]) for n in places))])
