@@ -26,13 +26,12 @@ from analysis import laws_bond
 from analysis.files import write_aside
 from analysis.formats.file_columns import BONDS, header
 from analysis.scenarios import derived
+from analysis.scenarios.deviations import BOND_CHECK_STEPS
 
 O = Omega()
 MATERIAL, MEETS_NOTHING = "bond", 0
 NO_STIFFNESS = 1e-20
 """Young's modulus of the shell, Pa: bonds get their stiffness by hand, and what YADE makes of a broken one has none."""
-CHECK_STEPS = 50
-"""Steps between looks for bonds that break by force and moment together."""
 
 
 def material(density: float) -> CohFrictMat:
@@ -78,7 +77,7 @@ class Bonds:
     @staticmethod
     def engine() -> PyRunner:
         """Looks for broken bonds; to stand between the contact loop and the integrator."""
-        return PyRunner(command="check_bonds()", iterPeriod=CHECK_STEPS, label="bonds")
+        return PyRunner(command="check_bonds()", iterPeriod=BOND_CHECK_STEPS, label="bonds")
 
     def memory(self) -> str:
         """What must be saved beside the simulation."""
@@ -194,14 +193,3 @@ def touching(centres: np.ndarray, radii: np.ndarray) -> list[tuple[int, int]]:
             if np.linalg.norm(centres[n] - centres[m]) < radii[n] + radii[m]:
                 found.append((n, m))
     return sorted(found)
-
-
-def deviations(scenario) -> list[str]:
-    """Where bonds differ in YADE, one sentence each."""
-    if derived.bond(scenario) is None:
-        return []
-    return [
-        f"Bonds break at once by tension or shear alone; by force and moment together within {CHECK_STEPS} steps of "
-        "reaching the strength, because YADE's law does not add them up.",
-        "A bond broken by shear alone still pushes for as many steps, without friction.",
-    ]

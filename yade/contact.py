@@ -1,4 +1,5 @@
-"""The contact laws of the paper in stock YADE: materials, functors, and what YADE does otherwise.
+"""The contact laws of the paper in stock YADE: materials and functors; deviations.py in analysis/scenarios lists what
+YADE does otherwise.
 
 Between particles: linear springs (with a dashpot where damping_ratio > 0), or Hertz-Mindlin for the hysteretic model.
 At walls: linear springs. YADE chooses a law by the materials of the two bodies, and no pair of materials gives one law
@@ -193,38 +194,3 @@ class ContactLaw:
             ),
             *([bond.Bonds.engine()] if self.bonded else []),
         ]
-
-
-def deviations(scenario) -> list[str]:
-    """Where YADE's laws differ from the paper's, one sentence each."""
-    found = [
-        "Eq. 3 is left out, YADE has no such rule: the whole shear increment of the closing step counts.",
-        "At planes (floor, end wall, side walls) YADE's contact point lies on the plane, in LIGGGHTS in the middle of "
-        "the overlap: the lever of shear forces is half the overlap shorter. Blocks are alike.",
-    ]
-    own = scenario["contact.origin"] != "engine"
-    if not own:
-        found.append(
-            "Contacts between particles are YADE's own: relative velocities that avoid granular ratcheting, and at "
-            "e_n < 1 a viscous Hertz dashpot with e_n as its restitution."
-        )
-    if scenario["contact.model"] == "hysteretic":
-        restitution = conversions.viscous_restitution(scenario)
-        if scenario["contact.particle_particle.restitution"] < 1 and not own:
-            found.append("The slip limit between particles includes the viscous part of the normal force.")
-        elif restitution < 1:
-            found.append(
-                "Restitution-equivalent damping: YADE has no hysteretic dashpot (eq. 15), so particles meet with its "
-                f"viscous Hertz dashpot at the restitution {restitution:.4f} that the hysteretic law gives in a free "
-                f"impact at nominal e_n = {scenario['contact.particle_particle.restitution']:g}."
-            )
-            found.append("The slip limit between particles includes the viscous part of the normal force.")
-    elif scenario["contact.particle_particle.damping_ratio"] > 0:
-        found.append("The slip limit between particles includes the dashpot's force.")
-    if scenario["contact.dashpot_limit"] != 1:
-        found.append(
-            "contact.dashpot_limit acts through that restitution only: YADE has no dashpot that could be capped."
-        )
-    if scenario["contact.particle_wall.damping_ratio"] > 0:
-        found.append("The slip limit at walls includes the dashpot's force.")
-    return found + bond.deviations(scenario)

@@ -2,11 +2,10 @@
 
     yade -j1 -n -x yade/preload.py RUN_FOLDER        (from the top of the repository)
 
-Reads raw/bed_packed.csv, writes raw/preload.csv, raw/bed_preloaded.csv, raw/contacts_preloaded.csv,
-raw/deviations.json and checkpoints/cyclic_000000.yade.gz.
+Reads raw/bed_packed.csv, writes raw/preload.csv, raw/bed_preloaded.csv, raw/contacts_preloaded.csv and
+checkpoints/cyclic_000000.yade.gz.
 """
 
-import json
 import sys
 from pathlib import Path
 
@@ -17,10 +16,9 @@ sys.path += [str(ROOT), str(ROOT / "yade")]
 
 import apparatus  # noqa: E402
 import stage  # noqa: E402
-from analysis.files import write_aside  # noqa: E402
 from bed import Bed  # noqa: E402
 from bond import Bonds  # noqa: E402
-from contact import ContactLaw, deviations  # noqa: E402
+from contact import ContactLaw  # noqa: E402
 from load_control import LoadControl  # noqa: E402
 from state import write_contacts  # noqa: E402
 
@@ -31,7 +29,6 @@ def preload(run: stage.Stage, _) -> None:
     """Place the bed, bring it to rest, raise the loads, wait until they are met and the bed is at rest."""
     s = run.scenario
     law = ContactLaw(s, run.model)
-    write_aside(run.raw("deviations.json"), json.dumps(deviations(s), indent=1) + "\n")
     apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_packed.csv"), law.shells)

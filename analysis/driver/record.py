@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 from pathlib import Path
@@ -14,6 +13,7 @@ from analysis.driver.rawfiles import last_rows
 from analysis.driver.settings import RunSettings
 from analysis.formats.errors import InputError
 from analysis.formats.run_record import RunRecord, Timing
+from analysis.scenarios import deviations
 
 
 class Record:
@@ -67,7 +67,7 @@ class Record:
             setattr(self.body, name, value)
         self.body.repeatable = is_repeatable(self.body.parts)
         many = max((part["ranks"] * part["threads"] for part in self.body.parts), default=1)
-        self.body.deviations = deviations(self.folder / "raw")
+        self.body.deviations = deviations.sentences(self.settings.scenario, self.settings.code)
         if many > 1:
             self.body.deviations.append(f"{many} ranks or threads: repeated runs differ in their last digits.")
         self.body.write(self.folder)
@@ -94,12 +94,3 @@ def stored_record(folder: Path) -> RunRecord | None:
         return RunRecord.read(folder)
     except (OSError, InputError):
         return None
-
-
-def deviations(raw: Path) -> list[str]:
-    """What the engine says it does differently from the paper's law, one sentence each."""
-    try:
-        said = json.loads((raw / "deviations.json").read_text())
-    except (OSError, ValueError):  # preload writes it anew
-        return []
-    return [str(sentence) for sentence in said] if isinstance(said, list) else []
