@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme view unload keep verify impact mutations sanitize reference calibrate timestep bench \
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme docs view unload keep verify impact mutations sanitize reference calibrate timestep bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -75,6 +75,8 @@ findings: $(STAMP) ## what the runs say, as tables: report/findings/*.csv
 	@$(ANALYSIS) findings --results $(RESULTS)
 readme: $(STAMP) ## the README's section on results, from the kept runs
 	@$(ANALYSIS) readme
+docs: $(STAMP) ## docs/ and PARAMETERS.md: the sketch and what follows from scenarios.toml and the code
+	@$(ANALYSIS) docs
 view: $(STAMP) ## pictures and ParaView files of one run: make view SCENARIO=... CODE=...
 	@$(ANALYSIS) view --code="$$CODE" --profile="$$PROFILE" --seed="$$SEED" --results="$$RESULTS" -- "$$SCENARIO$${VARIANT:++$$VARIANT}"
 unload: setup ## how much of a run's settlement springs back under its least load: make unload SCENARIO=... PROFILE=full

@@ -21,6 +21,7 @@ COMMANDS = {  # name: module, purpose
     "report": ("report.build", "rebuild the report from the runs that exist"),
     "findings": ("report.export", "what the runs say, as CSV tables"),
     "readme": ("report.readme", "the README's section on results, from the kept runs"),
+    "docs": ("docs.write", "what docs/ and PARAMETERS.md say of the code: sketch, tables, glossary"),
     "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),
     "impact": ("verification.impact", "any impact of two bodies in both codes"),
     "mutations": ("verification.mutations", "wrong laws that the verification must notice"),

@@ -8,8 +8,7 @@ from analysis.scenarios.scenario import base_parameters, load_scenario, scenario
 
 def test_the_committed_table_is_up_to_date():
     committed = parameter_table.PARAMETER_FILE.read_text()
-    remedy = "run python -m analysis.scenarios.parameter_table and commit PARAMETERS.md"
-    assert committed == parameter_table.render(), remedy
+    assert committed == parameter_table.render(), "run `make docs` and commit PARAMETERS.md"
 
 
 def test_the_table_holds_every_parameter_once_with_its_source():

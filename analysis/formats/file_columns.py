@@ -80,7 +80,8 @@ MICROSTRUCTURE = (
 cycles whose contacts were not kept."""
 
 BED = ("id", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
-"""A bed: a row per clump, its centre and the unit quaternion that turns its frame, z along the clump, into space."""
+"""raw/bed_*.csv, bed_before.csv, bed_after.csv: a row per clump, its centre and the unit quaternion that turns its
+frame, z along the clump, into space."""
 
 CONTACTS = (
     "clump_1",

@@ -416,6 +416,6 @@ def row_of(pattern: str) -> tuple[str, ...]:
     return tuple(q.name for q in QUANTITIES.values() if re.fullmatch(pattern.replace("{}", r"\d"), q.name))
 
 
-def glossary() -> list[tuple[str, str, str]]:
-    """Name, shown heading and meaning of each quantity, a row of plates or spheres once, in the order of the files."""
-    return [(row.name, row.label.replace("{name}", "rail seat to shoulder"), row.meaning) for row in _ROWS]
+def glossary() -> tuple[Quantity, ...]:
+    """Every quantity in the order of the files, a row of plates or spheres once, with `{}` in its name and label."""
+    return _ROWS

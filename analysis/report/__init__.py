@@ -2,5 +2,5 @@
 shows, `figures` draws, `pictures` renders beds (also for `make view`), `templates` holds HTML and sentences.
 
 The end of the flow: nothing imports it, and of the verification it reads the files alone. Imports from this package:
-`formats`, `comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`, `analysis.arguments`
-and `analysis.files`."""
+`formats`, `docs`, `comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`,
+`analysis.arguments` and `analysis.files`."""

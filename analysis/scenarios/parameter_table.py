@@ -1,13 +1,13 @@
 """PARAMETERS.md: every parameter with value, unit, status and source, made from the scenario file.
 
-`python -m analysis.scenarios.parameter_table` writes it; a test compares the committed file with `render()`.
+`ballast docs` writes it; a test compares the committed file with `render()`.
 """
 
 from __future__ import annotations
 
 from itertools import groupby
 
-from analysis.files import write_aside
+from analysis.formats.markdown import table
 from analysis.scenarios import conversions, derived
 from analysis.scenarios.scenario import (
     SCENARIO_FILE,
@@ -36,7 +36,8 @@ def render() -> str:
     base = base_parameters()
     scenarios = [load_scenario(name) for name in scenario_names()]
     parts = [
-        "# Parameters\n\nMade from `scenarios.toml` by `python -m analysis.scenarios.parameter_table`; do not edit.\n"
+        "# Parameters\n\nMade from [scenarios.toml](scenarios.toml) by `make docs`; do not edit. "
+        "[docs/glossary.md](docs/glossary.md) explains the terms.\n"
         "SI units; x along the sleeper, y along the track, z up; settlement positive downward.\n\n" + _statuses(base),
         "## Base\n\n" + "\n".join(_section(name, dict(keys)) for name, keys in groupby(base.items(), _section_name)),
         "## Scenarios\n\nWhere a scenario differs from the base.\n\n" + _scenarios(base, scenarios),
@@ -47,12 +48,6 @@ def render() -> str:
         conversions.markdown(),
     ]
     return "\n".join(part.rstrip() + "\n" for part in parts)
-
-
-def table(header: list[str], rows: list[list[str]]) -> str:
-    """A Markdown table; bars within cells are escaped."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
 
 
 def _value(value) -> str:
@@ -168,12 +163,3 @@ def _numbers(s: Scenario) -> dict[str, str]:
         "steps per cycle": str(grid.steps_per_cycle),
         "time step over the critical one of a linear contact": f"{grid.step_s / derived.critical_time_step(s):.3f}",
     }
-
-
-def main() -> None:
-    """Write PARAMETERS.md."""
-    write_aside(PARAMETER_FILE, render())
-
-
-if __name__ == "__main__":
-    main()
