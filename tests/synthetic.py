@@ -170,6 +170,7 @@ def _write_microstructure(folder, s, share, porosity, porosities, lateral) -> No
         "downward_mean_m": (0.0, 3e-3),
         "downward_under_sleeper_m": (0.0, 6e-3),
         "crib_heave_m": (0.0, 1e-3),
+        "sleeper_contacts": (200.0, -20.0),
         "sliding_share": (0.05, 0.05),
         "kinetic_energy_J": (1e-6, 1e-5),
         "unbalanced_ratio": (1e-3, 5e-3),

@@ -1,5 +1,6 @@
 """The findings: what runs with known answers say, as tables, before any sentence or figure."""
 
+import cmath
 import math
 
 import numpy as np
@@ -10,10 +11,12 @@ from synthetic import LATERAL_PROFILE, STROKE_M, write_run
 from analysis.comparison.findings import agreement, servo
 from analysis.comparison.findings.find import RUNS_FOLDER, find
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
+from analysis.driver.keep import keep
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report import readme
 from analysis.report.report_data import PAPER_SCENARIOS
+from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
 EXPONENTIAL = {"a": 1e-3, "b": 6e-3, "c": 15.0, "d": 2e-6}
@@ -137,23 +140,35 @@ def test_tables_are_written_as_csv_that_reads_back(found, tmp_path):
 # ------------------------------------------------------------------ the servo
 
 
-def servo_run(results, ratio, gain=0.8, variant="servo", cycles=6, scenario="nonlinear-en1.0"):
-    """A run whose stress is that of a first-order filter of this amplitude ratio, on a bed of constant stiffness."""
+LOSS_RAD = 0.17
+
+
+def servo_run(results, contacts, gain=0.8, variant="servo", cycles=6, scenario="nonlinear-en1.0"):
+    """A run by the servo with so many contacts, on a bed of constant stiffness and loss angle, solved exactly."""
     folder = write_run(results, "full", scenario, "liggghts", cycles)
     s = load_scenario(scenario, "full", cycles=cycles)
     for key, value in (("load_control.sleeper_law", "pfc"), ("load_control.pfc_gain", gain)):
         s = s.replace(key, value)
     (folder / "scenario.json").write_text(s.to_json())
-    phase, middle, swing = math.acos(ratio), 255e3, 205e3
+    middle, swing, area = 255e3, 205e3, derived.apparatus(s).sleeper_area_m2
+    bed = cmath.rect(area * 2 * swing / STROKE_M, LOSS_RAD)
+    omega, stiffness = 2 * math.pi * 20, contacts * s["contact.particle_wall.normal_stiffness"]
+    # v = i w x = G (F_target - F) and F = K_bed x
+    servo_gain = gain / (stiffness * s["time.paper_step"])
+    force = -swing * area * servo_gain * bed / (1j * omega + servo_gain * bed)
+    settlement = force / bed
     cycles_table = pd.read_csv(folder / "cycles.csv")
-    cycles_table["sleeper_stress_min_Pa"] = middle - ratio * swing
-    cycles_table["sleeper_stress_max_Pa"] = middle + ratio * swing
-    cycles_table["tracking_rms_Pa"] = swing * math.sin(phase) / math.sqrt(2)
-    cycles_table["settlement_peak_m"] = cycles_table["settlement_m"] + ratio * STROKE_M
+    cycles_table["sleeper_stress_min_Pa"] = middle - abs(force) / area
+    cycles_table["sleeper_stress_max_Pa"] = middle + abs(force) / area
     cycles_table.to_csv(folder / "cycles.csv", index=False)
     history = pd.read_csv(folder / "history.csv")
-    history["sleeper_stress_Pa"] = middle - ratio * swing * np.cos(2 * np.pi * history["cycle"] - phase)
+    wave = np.exp(2j * np.pi * history["cycle"])
+    history["sleeper_target_Pa"] = middle - swing * wave.to_numpy().real
+    history["sleeper_stress_Pa"] = middle + (force * wave).to_numpy().real / area
+    history["settlement_m"] = 5e-3 + (settlement * wave).to_numpy().real
     history.to_csv(folder / "history.csv", index=False)
+    structure = pd.read_csv(folder / "microstructure.csv").assign(sleeper_contacts=contacts)
+    structure.to_csv(folder / "microstructure.csv", index=False)
     target = results / "full" / f"{scenario}+{variant}"
     folder.parent.rename(target)
     info = (target / "liggghts" / "run.json").read_text()
@@ -161,28 +176,38 @@ def servo_run(results, ratio, gain=0.8, variant="servo", cycles=6, scenario="non
     return target / "liggghts"
 
 
-def filter_ratio(omega_tau):
-    return 1 / math.hypot(1, omega_tau)
-
-
-def test_the_servo_is_a_first_order_filter_whose_constant_goes_with_one_over_the_gain(tmp_path):
-    servo_run(tmp_path, filter_ratio(2.4))
-    slow = servo_run(tmp_path, filter_ratio(2.4 * 0.8 / 0.3), gain=0.3, variant="servo-gain0.3")
-    (slow / "history.csv").unlink()  # as in the repository
+def test_what_the_servo_makes_of_the_load_follows_from_counted_contacts_gain_and_bed(tmp_path):
+    servo_run(tmp_path, 200)
+    servo_run(tmp_path, 90, gain=0.3, variant="servo-gain0.3")
     table = find(load_runs(tmp_path), load_references()).servo
-    default, slower = (row(table, gain=gain) for gain in (0.8, 0.3))
-    omega = 2 * math.pi * 20
-    assert default["time_constant_s"] == pytest.approx(2.4 / omega, rel=1e-3)
-    for line, source in ((default, "history.csv"), (slower, "tracking error")):
-        assert line["lag_from"] == source
-        assert line["lag_rad"] == pytest.approx(math.acos(line["amplitude_ratio"]), rel=1e-3)
-    assert slower["predicted_amplitude_ratio"] == pytest.approx(slower["amplitude_ratio"], rel=1e-3)
-    assert slower["predicted_lag_rad"] == pytest.approx(slower["lag_rad"], rel=1e-3)
-    assert math.isnan(default["predicted_amplitude_ratio"]), "nothing may be predicted from itself"
+    for line in (row(table, gain=gain) for gain in (0.8, 0.3)):
+        # history.csv has nine digits
+        assert line["bed_loss_angle_rad"] == pytest.approx(LOSS_RAD, abs=1e-6)
+        assert line["predicted_amplitude_ratio"] == pytest.approx(line["amplitude_ratio"], rel=1e-4)
+        assert line["predicted_lag_rad"] == pytest.approx(line["lag_rad"], rel=1e-4)
+        assert 0.05 < line["amplitude_ratio"] < 0.95, "neither followed nor ignored: the case tells"
+
+
+def test_contacts_that_nobody_counted_predict_nothing(tmp_path):
+    folder = servo_run(tmp_path, 200)
+    structure = pd.read_csv(folder / "microstructure.csv").assign(sleeper_contacts="")
+    structure.to_csv(folder / "microstructure.csv", index=False)
+    (line,) = find(load_runs(tmp_path), load_references()).servo.to_dict("records")
+    assert math.isnan(line["predicted_amplitude_ratio"]) and line["amplitude_ratio"] > 0
+
+
+def test_a_kept_run_has_the_harmonics_of_its_history(tmp_path):
+    folder = servo_run(tmp_path / "results", 200)
+    before = load_runs(tmp_path / "results")[0].harmonics
+    keep(folder, tmp_path / "kept" / "full" / "nonlinear-en1.0+servo" / "liggghts")
+    (kept,) = load_runs(tmp_path / "kept")
+    assert not (kept.folder / "history.csv").exists()
+    # written with the digits of all normalised files
+    np.testing.assert_allclose(kept.harmonics.to_numpy(), before.to_numpy(), rtol=1e-8, atol=1e-12)
 
 
 def test_readings_are_told_apart_by_the_law_of_the_sleeper(tmp_path):
-    folder = servo_run(tmp_path, 0.5)
+    folder = servo_run(tmp_path, 200)
     write_run(tmp_path, "full", "nonlinear-en1.0", "liggghts", 6)
     by_reading = {member(run).reading: member(run) for run in load_runs(tmp_path)}
     assert set(by_reading) == {SERVO, TRUE_LOAD}
@@ -190,7 +215,7 @@ def test_readings_are_told_apart_by_the_law_of_the_sleeper(tmp_path):
 
 
 def test_settlement_by_the_servo_is_split_where_it_was_measured(tmp_path):
-    folder = servo_run(tmp_path, 0.5)
+    folder = servo_run(tmp_path, 200)
     assert find(load_runs(tmp_path), load_references()).elastic.empty
     (folder / "unload.csv").write_text(",".join(servo.UNLOAD) + "\n1,178000,0.0053,50000,0.0030\n")
     (first,) = find(load_runs(tmp_path), load_references()).elastic.itertuples()

@@ -12,8 +12,10 @@ from analysis.driver import options
 from analysis.driver.folder import cycles_asked, cycles_done
 from analysis.driver.settings import relative
 from analysis.driver.status import state_of
-from analysis.files import ROOT, sync
+from analysis.files import ROOT, sync, write_csv
+from analysis.formats.numbers import short
 from analysis.formats.run_record import RunRecord
+from analysis.normalised.readers import Run
 
 KEPT = ROOT / "reference_data" / "runs"
 NEEDED = ("run.json", "scenario.json", "stages.json")
@@ -52,6 +54,7 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
             if (folder / name).exists():
                 shutil.copyfile(folder / name, new / name)
                 sync(new / name)
+        keep_harmonics(folder, new)
     except OSError:
         shutil.rmtree(new, ignore_errors=True)
         raise
@@ -61,6 +64,13 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
     new.rename(target)
     shutil.rmtree(old, ignore_errors=True)
     return what
+
+
+def keep_harmonics(folder: Path, target: Path) -> None:
+    """Write the first harmonics of history.csv, which is too large to be kept itself; nothing without it."""
+    if (folder / "history.csv").exists():
+        table = Run(folder, quiet=True).harmonics
+        write_csv(target / "harmonics.csv", [list(table.columns), *(map(short, row) for row in table.to_numpy())])
 
 
 def add_arguments(parser: Parser) -> None:

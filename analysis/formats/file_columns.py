@@ -12,6 +12,7 @@ __all__ = [
     "CODES",
     "CONTACTS",
     "CYCLES",
+    "HARMONICS",
     "HISTORY",
     "MICROSTRUCTURE",
     "PLATES",
@@ -63,6 +64,7 @@ MICROSTRUCTURE = (
     "downward_mean_m",
     "downward_under_sleeper_m",
     "crib_heave_m",
+    "sleeper_contacts",
     "sliding_share",
     "at_limit_share",
     "kinetic_energy_J",
@@ -78,6 +80,16 @@ MICROSTRUCTURE = (
 )
 """microstructure.csv: row 0 before loading, then a row per cycle. Columns from normal_force_mean_N on are empty in
 cycles whose contacts were not kept."""
+
+HARMONICS = (
+    "cycle",
+    "target_amplitude_Pa",
+    "stress_amplitude_Pa",
+    "stress_lag_rad",
+    "settlement_amplitude_m",
+    "settlement_lag_rad",
+)
+"""harmonics.csv, of kept runs: a row per cycle, the first harmonics of history.csv, which is too large to be kept."""
 
 BED = ("id", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 """raw/bed_*.csv, bed_before.csv, bed_after.csv: a row per clump, its centre and the unit quaternion that turns its

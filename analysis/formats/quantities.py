@@ -236,6 +236,15 @@ _ROWS = (
         empty=True,
     ),
     Quantity(
+        "sleeper_contacts",
+        "-",
+        "contacts of the sleeper",
+        0,
+        1e9,
+        "spheres that touch it, at its least load",
+        empty=True,
+    ),
+    Quantity(
         "sliding_share", "-", "share of sliding contacts", 0, 1, "contacts at the friction limit, of all", empty=True
     ),
     Quantity(
@@ -300,6 +309,12 @@ _ROWS = (
         "their share of the sum of normal forces",
         empty=True,
     ),
+    # ------------------------------------------------------------------ first harmonics
+    Quantity("target_amplitude_Pa", "Pa", "amplitude of the target", 0, 1e9, "first harmonic of a cycle"),
+    Quantity("stress_amplitude_Pa", "Pa", "amplitude of the stress", 0, 1e9, "first harmonic of a cycle"),
+    Quantity("stress_lag_rad", "rad", "lag of the stress", 0, 6.2832, "of its first harmonic behind the target's"),
+    Quantity("settlement_amplitude_m", "m", "amplitude of settlement", 0, 10, "first harmonic of a cycle"),
+    Quantity("settlement_lag_rad", "rad", "lag of settlement", 0, 6.2832, "of its first harmonic behind the target's"),
     # ------------------------------------------------------------------ raw files of the engines
     Quantity("step", "-", "step", 0, 1e15, "steps since the start of the stage"),
     Quantity(

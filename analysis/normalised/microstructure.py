@@ -15,6 +15,7 @@ Definitions
   downward_mean_m         mean downward displacement of all clumps
   downward_under_sleeper_m  the same of those that began under the sleeper
   crib_heave_m            mean upward displacement of the clumps that began beside the sleeper, above its base
+  sleeper_contacts        spheres that touch the sleeper
   contact_anisotropy      sqrt(3/2 a:a) with a = 15/2 (<n n> - I/3) over contacts between clumps (Ouadfel and Rothenburg
                           2001); 0 where normals are isotropic
   force_anisotropy        the same with normals weighted by the normal force
@@ -56,11 +57,20 @@ def wall_overlaps(
     gaps = [centres[:, 2], centres[:, 0], centres[:, 1], box.width_m - centres[:, 1]]
     blocks = [(box.sleeper, (0, 0, -sleeper_down_m)), (box.fixed_wall, (0, 0, 0))]
     blocks += [(plate, (out, 0, 0)) for plate, out in zip(box.plates, plates_out_m, strict=True)]
-    for block, moved in blocks:
-        low, high = np.array(block.low) + moved, np.array(block.high) + moved
-        gaps.append(np.sqrt(np.sum((centres - np.clip(centres, low, high)) ** 2, axis=1)))
+    gaps += [_distances(centres, block, moved) for block, moved in blocks]
     overlap = radius - np.concatenate(gaps)
     return overlap[overlap > 0]
+
+
+def _distances(centres: np.ndarray, block: derived.Block, moved) -> np.ndarray:
+    """Distances (m) of points from a block that has moved."""
+    low, high = np.array(block.low) + moved, np.array(block.high) + moved
+    return np.sqrt(np.sum((centres - np.clip(centres, low, high)) ** 2, axis=1))
+
+
+def sleeper_contacts(centres: np.ndarray, radius: float, box: derived.Apparatus, sleeper_down_m: float) -> int:
+    """Spheres that touch the sleeper where it stands now."""
+    return int(np.count_nonzero(_distances(centres, box.sleeper, (0, 0, -sleeper_down_m)) < radius))
 
 
 def contact_measures(

@@ -280,6 +280,7 @@ class Normaliser:
             "porosity_error": error,
             "bulge_volume_m3": microstructure.bulge_volume(lateral, self._box),
             **microstructure.contact_measures(centres, self._clump.radius_m, self._box, sleeper_down, plates_out),
+            "sleeper_contacts": microstructure.sleeper_contacts(centres, self._clump.radius_m, self._box, sleeper_down),
             **microstructure.motion_measures(self._first_bed, bed, self._box, self.scenario["clump.ball_radius"]),
             **{
                 name: state[name]

@@ -17,7 +17,7 @@ import pandas as pd
 from analysis.formats import file_columns, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
-from analysis.normalised import beds, microstructure, stages
+from analysis.normalised import beds, harmonics, microstructure, stages
 from analysis.normalised.frames import empty_table, read_table
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
 from analysis.scenarios.schema import KEYS
@@ -146,6 +146,13 @@ class Run:
     def microstructure(self) -> pd.DataFrame:
         """One row per cycle, row 0 before loading, see `analysis.formats.file_columns.MICROSTRUCTURE`."""
         return self._table("microstructure.csv", file_columns.MICROSTRUCTURE, whole=True)
+
+    @cached_property
+    def harmonics(self) -> pd.DataFrame:
+        """One row per cycle, see `analysis.normalised.harmonics`: of history.csv, of harmonics.csv in kept runs."""
+        if (self.folder / "harmonics.csv").exists():
+            return self._table("harmonics.csv", file_columns.HARMONICS, whole=True)
+        return harmonics.of_history(self.history)
 
     @cached_property
     def stages(self) -> stages.Stages:

@@ -1,13 +1,15 @@
 """PFC's servo as a first-order filter: what it makes of the prescribed load.
 
-The servo moves the sleeper at v = G (F_target - F), G = gain / (K_c dt); the bed answers with dF = K_bed dx. Together
-dF/dt = (F_target - F) / tau with tau = K_c dt / (gain K_bed). Of a sinusoid of angular frequency w the amplitude
-passes by
-1 / sqrt(1 + (w tau)^2), late by the phase atan(w tau). K_c is the sum of the stiffnesses of the sleeper's contacts.
+The servo moves the sleeper at v = G (F_target - F), G = gain / (K_c dt), where K_c = N k_n is the sum of the
+stiffnesses of the sleeper's N contacts. The bed answers with F = K_bed x, K_bed complex at the load's frequency:
+friction and dashpots make the force lead the displacement by a loss angle. Together dF/dt = (F_target - F) / tau with
+tau = K_c dt / (gain K_bed), and of a sinusoid of angular frequency w the share 1 / (1 + i w tau) passes. K_bed is
+measured and the contacts are counted; nothing is fitted.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterable
 
@@ -19,6 +21,7 @@ from analysis.comparison.quantities import last_cycle
 from analysis.formats.file_columns import UNLOAD
 from analysis.scenarios import derived
 
+HARMONICS = (("stress_amplitude_Pa", "stress_lag_rad"), ("settlement_amplitude_m", "settlement_lag_rad"))
 LAST_CYCLES = 5
 """The response is measured over the last cycles, when the mean stress has come up."""
 
@@ -38,12 +41,11 @@ SERVO_COLUMNS = (
     "stress_max_Pa",
     "amplitude_ratio",
     "lag_rad",
-    "lag_from",
     "bed_stiffness_N_m",
-    "time_constant_s",
-    "contact_stiffness_N_m",
+    "bed_loss_angle_rad",
     "contacts",
-    "predicted_time_constant_s",
+    "contact_stiffness_N_m",
+    "time_constant_s",
     "predicted_amplitude_ratio",
     "predicted_lag_rad",
 )
@@ -64,66 +66,40 @@ UNLOAD_FILE = "unload.csv"
 """What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`): columns UNLOAD."""
 
 
-def amplitude_ratio(omega_tau: float) -> float:
-    """Share of a sinusoid's amplitude that passes the filter."""
-    return 1 / math.hypot(1, omega_tau)
-
-
-def lag(omega_tau: float) -> float:
-    """Phase by which it comes late, rad."""
-    return math.atan(omega_tau)
-
-
-def omega_tau_of(ratio: float) -> float:
-    """The filter's w tau from the amplitude ratio that it was measured by; nan where nothing is lost."""
-    return math.sqrt(1 / ratio**2 - 1) if 0 < ratio < 1 else math.nan
-
-
-def lag_of_error(rms: float, amplitude: float) -> float:
-    """Phase lag of a first-order filter from the rms error of tracking: |1 - H| = sin(lag), rad."""
-    share = math.sqrt(2) * rms / amplitude
-    return math.asin(share) if 0 <= share <= 1 else math.nan
+def transfer(omega: float, time_constant: complex) -> complex:
+    """What passes the filter: stress over target, both complex amplitudes."""
+    return 1 / (1 + 1j * omega * time_constant)
 
 
 def response(m: Member) -> dict:
-    """Measured over the last cycles of one run: extremes of stress, amplitude ratio, lag, stiffness of the bed.
-
-    The lag is that of the fundamental where history.csv is there, else what the rms tracking error says of such a
-    filter.
+    """Measured over the last cycles of one run: extremes of stress; of the first harmonics the share of the target's
+    amplitude, the lag behind it, and the bed's dynamic stiffness with its loss angle. nan without harmonics.
     """
-    s, rows = m.run.scenario, m.run.cycles.tail(LAST_CYCLES)
-    low, high = rows["sleeper_stress_min_Pa"].mean(), rows["sleeper_stress_max_Pa"].mean()
-    wanted = (s["loading.stress_max"] - s["loading.stress_min"]) / 2
-    ratio = (high - low) / 2 / wanted
-    stroke = (rows["settlement_peak_m"] - rows["settlement_m"]).mean()
-    area = derived.apparatus(s).sleeper_area_m2
-    stiffness = area * (high - low) / stroke if stroke > 0 else math.nan
-    late, source = fundamental_lag(m), "history.csv"
-    if math.isnan(late):
-        late, source = lag_of_error(float(rows["tracking_rms_Pa"].mean()), wanted), "tracking error"
+    rows, waves = m.run.cycles.tail(LAST_CYCLES), m.run.harmonics.tail(LAST_CYCLES)
+    target = waves["target_amplitude_Pa"].to_numpy()
+    stress, settlement = (_complex(waves, *names) for names in HARMONICS)
+    known = len(waves) > 0
+    passed = complex(np.mean(stress / target)) if known else complex(math.nan)
+    stiffness = complex(np.mean(stress / settlement)) if known else complex(math.nan)
     return {
         "cycle": last_cycle(m.run),
-        "stress_min_Pa": low,
-        "stress_max_Pa": high,
-        "amplitude_ratio": ratio,
-        "lag_rad": late,
-        "lag_from": source,
-        "bed_stiffness_N_m": stiffness,
+        "stress_min_Pa": rows["sleeper_stress_min_Pa"].mean(),
+        "stress_max_Pa": rows["sleeper_stress_max_Pa"].mean(),
+        "amplitude_ratio": abs(passed),
+        "lag_rad": -cmath.phase(passed),
+        "bed_stiffness_N_m": derived.apparatus(m.run.scenario).sleeper_area_m2 * abs(stiffness),
+        "bed_loss_angle_rad": cmath.phase(stiffness),
     }
 
 
-def fundamental_lag(m: Member) -> float:
-    """Phase of the stress behind its target at the load's frequency, over the last cycles of history.csv; nan
-    without.
-    """
-    history = m.run.history[["cycle", "sleeper_target_Pa", "sleeper_stress_Pa"]].dropna()
-    done = last_cycle(m.run)
-    inside = history[(history["cycle"] > max(done - LAST_CYCLES, 0) + 1e-9) & (history["cycle"] <= done + 1e-9)]
-    if len(inside) < 16:
-        return math.nan
-    wave = np.exp(-2j * math.pi * inside["cycle"].to_numpy())
-    target, stress = (np.mean(inside[c].to_numpy() * wave) for c in ("sleeper_target_Pa", "sleeper_stress_Pa"))
-    return float(np.angle(target / stress)) if abs(target) and abs(stress) else math.nan
+def _complex(waves: pd.DataFrame, amplitude: str, late: str) -> np.ndarray:
+    return waves[amplitude].to_numpy() * np.exp(-1j * waves[late].to_numpy())
+
+
+def sleeper_contacts(m: Member) -> float:
+    """Contacts of the sleeper, as counted last; nan where nobody counted."""
+    counted = m.run.microstructure["sleeper_contacts"].iloc[1:].dropna()
+    return float(counted.iloc[-1]) if len(counted) else math.nan
 
 
 def gain_step(scenario) -> float:
@@ -136,55 +112,33 @@ def gain_step(scenario) -> float:
 def servo_table(found: Iterable[Member]) -> pd.DataFrame:
     """Every run by the servo: what was measured, and what the filter predicts (columns SERVO_COLUMNS).
 
-    time_constant_s         from the measured amplitude ratio
-    contact_stiffness_N_m   that this takes: gain K_bed tau / dt
-    contacts                its number of wall contacts
-    predicted_...           with the contacts per load of the same scenario's run at the default gain, so that nothing
-    is
-                            fitted but one number per scenario; nan for that run itself
+    contacts, contact_stiffness_N_m   of the sleeper: counted at its least load, and times k_n
+    predicted_...                     from these, the measured dynamic stiffness of the bed and the gain
     """
     rows = []
     for m in found:
         if m.reading != SERVO or m.run.scenario is None:
             continue
         s, measured = m.run.scenario, response(m)
-        omega = 2 * math.pi * s["loading.frequency"]
-        gain, step = s["load_control.pfc_gain"], gain_step(s)
-        tau = omega_tau_of(measured["amplitude_ratio"]) / omega
-        stiffness = gain * measured["bed_stiffness_N_m"] * tau / step
+        omega, gain, step = 2 * math.pi * s["loading.frequency"], s["load_control.pfc_gain"], gain_step(s)
+        contacts = sleeper_contacts(m)
+        stiffness = contacts * s["contact.particle_wall.normal_stiffness"]
+        bed = cmath.rect(measured["bed_stiffness_N_m"], measured["bed_loss_angle_rad"])
+        time_constant = stiffness * step / (gain * bed)
+        passed = transfer(omega, time_constant)
         rows.append(
             m.identity
             | {"law": s["contact.model"], "gain": gain, "gain_step_s": step}
             | measured
             | {
-                "time_constant_s": tau,
+                "contacts": contacts,
                 "contact_stiffness_N_m": stiffness,
-                "contacts": stiffness / s["contact.particle_wall.normal_stiffness"],
-                "omega": omega,
+                "time_constant_s": abs(time_constant),
+                "predicted_amplitude_ratio": abs(passed),
+                "predicted_lag_rad": -cmath.phase(passed),
             }
         )
-    table = pd.DataFrame(rows)
-    return _predicted(table)[list(SERVO_COLUMNS)] if len(table) else pd.DataFrame(columns=SERVO_COLUMNS)
-
-
-def _predicted(table: pd.DataFrame) -> pd.DataFrame:
-    """Predictions from the contact stiffness of the law's plain run: the same sleeper on a bed of the same recipe."""
-    table = table.assign(
-        predicted_time_constant_s=math.nan, predicted_amplitude_ratio=math.nan, predicted_lag_rad=math.nan
-    )
-    plain = table[table["variant"] == SERVO]
-    for n, row in table.iterrows():
-        basis = plain[(plain["law"] == row["law"]) & (plain["profile"] == row["profile"])]
-        same = basis[basis["scenario"] == row["scenario"]]
-        basis = (same if len(same) else basis).drop(index=n, errors="ignore")
-        basis = basis[np.isfinite(basis["contact_stiffness_N_m"])]
-        if basis.empty or not row["bed_stiffness_N_m"] > 0:
-            continue
-        tau = basis["contact_stiffness_N_m"].mean() * row["gain_step_s"] / (row["gain"] * row["bed_stiffness_N_m"])
-        table.loc[n, "predicted_time_constant_s"] = tau
-        table.loc[n, "predicted_amplitude_ratio"] = amplitude_ratio(row["omega"] * tau)
-        table.loc[n, "predicted_lag_rad"] = lag(row["omega"] * tau)
-    return table
+    return pd.DataFrame(rows, columns=SERVO_COLUMNS)
 
 
 def elastic_table(found: Iterable[Member]) -> pd.DataFrame:

@@ -13,60 +13,49 @@ from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, short_name
 from analysis.report.style import SOFT
 
+OMEGA = 2 * math.pi * 20
 MARKS = {"linear": ("linear", "o"), "hysteretic": ("nonlinear", "s")}
 
 
 def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
-    """Amplitude ratio and phase lag against angular frequency times time constant: the law, and every run by the
+    """Amplitude and lag of the stress against angular frequency times time constant: the filter, and every run by the
     servo.
     """
-    if table.empty:
+    known = table[table["time_constant_s"].notna() & table["amplitude_ratio"].notna()]
+    if known.empty:
         return None
     x = np.geomspace(0.01, 30, 200)
+    loss = known["bed_loss_angle_rad"].mean()
+    passed = servo.transfer(1.0, x * np.exp(-1j * loss))
     drawn = []
-    for name, law, column, constant, label in (
-        (
-            "amplitude",
-            servo.amplitude_ratio,
-            "amplitude_ratio",
-            "predicted_time_constant_s",
-            "amplitude of stress over that asked for",
-        ),
-        ("lag", servo.lag, "lag_rad", "time_constant_s", "lag of the stress, degrees"),
+    for name, law, column, factor, label in (
+        ("amplitude", np.abs(passed), "amplitude_ratio", 1.0, "amplitude of stress over that asked for"),
+        ("lag", -np.angle(passed), "lag_rad", 180 / math.pi, "lag of the stress, degrees"),
     ):
-        factor = 1.0 if name == "amplitude" else 180 / math.pi
-        c = style.canvas(f"servo-{name}", f"{label} against the servo's time constant, law and runs", right=1.2)
-        c.axes.plot(x, [factor * law(v) for v in x], color=SOFT, linewidth=1.4)
-        c.labels.append((x[-1], factor * law(x[-1]), "first-order filter", SOFT))
+        c = style.canvas(f"servo-{name}", f"{label} against the servo's time constant, filter and runs", right=1.2)
+        c.axes.plot(x, factor * law, color=SOFT, linewidth=1.4)
+        c.labels.append((x[-1], factor * law[-1], "the filter", SOFT))
         for model, (hue, marker) in MARKS.items():
-            part = table[(table["law"] == model) & table[constant].notna() & table[column].notna()]
+            part = known[known["law"] == model].assign(at=lambda t: OMEGA * t["time_constant_s"]).sort_values("at")
             if part.empty:
                 continue
-            at = 2 * math.pi * 20 * part[constant]
-            c.axes.plot(at, factor * part[column], marker, color=style.shade(hue), markersize=5, markerfacecolor="none")
-            c.labels.append(
-                (
-                    at.iloc[-1],
-                    factor * part[column].iloc[-1],
-                    f"{'nonlinear' if model == 'hysteretic' else model} runs",
-                    style.shade(hue),
-                )
+            c.axes.plot(
+                part["at"], factor * part[column], marker, color=style.shade(hue), markersize=5, markerfacecolor="none"
             )
+            last = part.iloc[-1]
+            told = f"{'nonlinear' if model == 'hysteretic' else model} runs"
+            c.labels.append((last["at"], factor * last[column], told, style.shade(hue)))
         c.axes.set_xscale("log")
-        c.axes.set(
-            xlabel=f"2π × 20 Hz × time constant, {'predicted' if name == 'amplitude' else 'from the amplitude'}",
-            ylabel=label,
-        )
-        c.table = table
+        c.axes.set(xlabel="2π × 20 Hz × time constant", ylabel=label)
+        c.table = known
         drawn.append(c)
     return g.finish(
         "servo-filter",
         "PFC's servo is a first-order filter",
-        "Grey: what such a filter passes of a 20 Hz load, and how late. Marks: each run by the servo, measured "
-        "over its last "
-        "five cycles. Left: at the time constant that is predicted for it from the contact stiffness of other "
-        "runs. Right: "
-        "at the time constant that its own amplitude gives, so that nothing is fitted but the lag follows.",
+        f"Line: what such a filter passes of a 20 Hz load, and how late, with the bed's mean loss angle of "
+        f"{math.degrees(loss):.0f}°. Marks: each run by the servo over its last five cycles, first harmonics. Their "
+        "time constant follows from the gain, the stiffness of the bed and the counted contacts of the sleeper; "
+        "nothing is fitted.",
         drawn,
         [],
     )
