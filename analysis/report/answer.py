@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
-from analysis.comparison.findings.members import READINGS
+from analysis.comparison.findings.members import READINGS, SERVO
 from analysis.formats.quantities import CODES
 
 
@@ -149,6 +149,12 @@ def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[di
     return rows.groupby(["scenario", "reading"], sort=True).tail(1).sort_index().to_dict("records")
 
 
+def _filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
+    """What the servo with its default gain passes of the load, measured and predicted; {} where it is not known."""
+    rows = only(servo, profile=profile, scenario=scenario, variant=SERVO).dropna(subset="predicted_amplitude_ratio")
+    return rows.sort_values("cycle").iloc[-1].to_dict() if len(rows) else {}
+
+
 def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
     """Everything that the sentences of templates/answer.txt need; claims only where the profile has a run."""
     judged = found.verdicts if any(m.run.profile == profile for m in found.members) else found.verdicts.iloc[:0]
@@ -159,6 +165,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "linear": linear,
         "nonlinear": nonlinear,
         "outcomes": outcomes(found, [linear, nonlinear], profile),
+        "filter": _filter(found.servo, nonlinear, profile),
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
         "claims": claim_counts(judged).to_dict("records"),
