@@ -20,7 +20,7 @@ COMMANDS = {  # name: module, purpose
     "delete": ("driver.delete", "delete one run, after asking"),
     "report": ("report.build", "rebuild the report from the runs that exist"),
     "findings": ("report.export", "what the runs say, as CSV tables"),
-    "readme": ("report.readme", "the README's section on results, from the kept runs"),
+    "readme": ("report.readme", "write the README's results and hours, from the kept runs"),
     "docs": ("docs.write", "what docs/ and PARAMETERS.md say of the code: sketch, tables, glossary"),
     "verify": ("verification.verify", "contact laws and clumps of both codes against closed forms"),
     "impact": ("verification.impact", "any impact of two bodies in both codes"),

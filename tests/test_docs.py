@@ -12,7 +12,14 @@ from analysis.docs import design, method, sketch, write
 from analysis.files import ROOT
 from analysis.formats import markdown
 from analysis.scenarios import deviations
-from analysis.scenarios.scenario import FILE_KEYS, load_scenario, scenario_names, variant_names
+from analysis.scenarios.scenario import (
+    SCENARIO_FILE,
+    load_scenario,
+    profile_names,
+    scenario_names,
+    variant_names,
+)
+from analysis.scenarios.schema import KEYS
 
 DOCUMENTS = [
     ROOT / name
@@ -26,8 +33,13 @@ DOCUMENTS = [
 ]
 WANTED = write.files()
 GUIDES = [path for path in DOCUMENTS if path.name != "PARAMETERS.md"]
-EXAMPLES = {"linear-mu0.6", "nonlinear-mu0.6", "light"}
-"""Names in examples of what a reader may add."""
+EXAMPLES = {
+    found[2]: (found[1], block)
+    for path in GUIDES
+    for block in re.findall(r"```toml\n(.*?)```", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    if (found := re.match(r'\[(scenario|variant)\."?([\w.-]+)"?\]', block))
+}
+"""What documents show of scenarios and variants that a reader may add: name -> (kind, text)."""
 
 
 def name(path):
@@ -85,12 +97,25 @@ def test_the_commands_that_documents_name_exist(path):
 @pytest.mark.parametrize("path", GUIDES, ids=name)
 def test_the_keys_and_variants_that_documents_name_exist(path):
     text = path.read_text(encoding="utf-8")
-    sections = {key.partition(".")[0] for key in FILE_KEYS}
+    sections = {key.partition(".")[0] for key in KEYS}
     for key in re.findall(r"`((?:\w+\.)+\w+)`", text):
         if key.partition(".")[0] in sections and key.rpartition(".")[2] not in ("in", "py", "csv", "json"):
-            assert key in FILE_KEYS or key == "time.step", key
+            assert any(f"{known}.".startswith(f"{key}.") for known in KEYS), key
     for variant in re.findall(r"VARIANT=([\w.,-]+)", text):
         assert set(variant.rstrip(".,").split(",")) <= {*variant_names(), *EXAMPLES}, variant
+
+
+@pytest.mark.parametrize("added", EXAMPLES)
+@pytest.mark.parametrize("profile", profile_names())
+def test_a_scenario_or_variant_from_the_documents_can_be_added(added, profile, tmp_path):
+    kind, block = EXAMPLES[added]
+    head, first, tail = SCENARIO_FILE.read_text(encoding="utf-8").partition("\n[variant.")
+    file = tmp_path / "scenarios.toml"
+    file.write_text(f"{head}\n{block}{first}{tail}", encoding="utf-8")
+    known = next(iter(scenario_names()))
+    name, variant = (added, "") if kind == "scenario" else (known, added)
+    changed = load_scenario(name, profile, file, variant=variant)
+    assert changed.hash != load_scenario(known, profile).hash
 
 
 # ------------------------------------------------------------------ method

@@ -13,7 +13,7 @@ from analysis.formats import markdown
 from analysis.scenarios import parameter_table
 from analysis.scenarios.scenario import ScenarioError
 
-COMMAND = "ballast docs"
+COMMAND = "make docs"
 SECTIONS = {
     "docs/method.md": method.SECTIONS,
     "docs/design.md": design.SECTIONS,

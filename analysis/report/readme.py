@@ -1,27 +1,33 @@
-"""The README's section on results, made from the findings: `python -m analysis readme`."""
+"""The README's made sections: results, from the findings of the kept runs, and hours, from the benchmark."""
 
 from __future__ import annotations
 
+import csv
 import sys
 
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
+from analysis.driver.bench.tables import TABLE
 from analysis.files import ROOT, write_aside
+from analysis.formats import markdown
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report.answer import answer
+from analysis.report.labels import SERVO_VARIANT, short_name
 from analysis.report.report_data import KEY_SCENARIOS, PAPER_SCENARIOS
 from analysis.report.sentences import lines
-from analysis.scenarios.scenario import ScenarioError
+from analysis.report.style import CODE_NAMES
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import ScenarioError, join_id, load_scenario
 
 README = ROOT / "README.md"
-BEGIN, END = "<!-- results: begin, made by `make readme` -->", "<!-- results: end -->"
+COMMAND = "make readme"
 
 
 def main(argv: list[str]) -> int:
     """Command line of `make readme`."""
-    parser = Parser(prog="ballast readme", description="Write the README's results from the kept runs.")
+    parser = Parser(prog="ballast readme", description="Write the README's results and hours, from the kept runs.")
     parser.add_argument("--check", action="store_true", help="say whether it is up to date, and change nothing")
     options = parser.parse_args(argv)
     try:
@@ -40,10 +46,31 @@ def main(argv: list[str]) -> int:
 
 
 def with_results(text: str, found: Findings) -> str:
-    """The README with its results renewed. Raises ValueError where the marks of the section are missing."""
-    head, begin, rest = text.partition(BEGIN)
-    _, end, tail = rest.partition(END)
-    if not begin or not end:
-        raise ValueError(f"README.md: the lines {BEGIN} and {END} are missing; put them around the results")
+    """The README with its made sections renewed. Raises ValueError where the marks of a section are missing."""
     sentences = lines("answer.txt", **answer(found, KEY_SCENARIOS, "full"))
-    return head + begin + "\n\n" + "\n".join(f"* {line}" for line in sentences) + "\n\n" + end + tail
+    sections = {"results": "\n".join(f"* {line}" for line in sentences), "hours": hours()}
+    for name, body in sections.items():
+        text = markdown.replaced(text, name, COMMAND, body, README.name)
+    return text
+
+
+def speeds() -> dict[tuple[str, str], float]:
+    """(code, linear | nonlinear) -> steps per second of processor time on the full bed, from the kept benchmark."""
+    with open(TABLE, newline="", encoding="utf-8") as file:
+        return {
+            (row["code"], row["law"]): float(row["steps_per_cpu_s"])
+            for row in csv.DictReader(file)
+            if row["case"] == "ours_paper_step"
+        }
+
+
+def hours() -> str:
+    """Table: hours of one core for 1000 cycles of the full bed, by reading of the load, contact law and code."""
+    measured, rows = speeds(), []
+    for law, scenario in zip(("linear", "nonlinear"), KEY_SCENARIOS, strict=True):
+        for variants in ((), (SERVO_VARIANT,)):
+            name = join_id(scenario, variants)
+            steps = derived.time_grid(load_scenario(name, "full")).steps_per_cycle
+            times = [1000 * steps / measured[code, law] / 3600 for code in CODE_NAMES]
+            rows.append([short_name(name), f"{steps}", *(f"{time:.2g}" for time in times)])
+    return markdown.table(["scenario", "steps per cycle", *CODE_NAMES.values()], rows)
