@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
 from analysis.comparison import settlement_fits
 from analysis.formats import file_columns
+from analysis.formats.quantities import QUANTITIES, row_of
 from analysis.scenarios import derived
 
 CYCLES_SHOWN = (1, 10, 100, 1000)
@@ -26,16 +27,35 @@ RATE_EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Cycles between which the rate of settling is taken: a logarithm falls by half or more from each span to the next."""
 RATES = ("first_cycle", "last_cycle", "settlement_rate_m", "lateral_rate_m", "crib_heave_rate_m")
 
-PER_CYCLE = (
-    "cycle",
-    "settlement_increment_m",
-    "resilient_stroke_m",
-    "peak_acceleration_m_s2",
-    "secant_stiffness_N_m",
-    "loop_energy_J",
-    "porosity_spread",
-    "tracking_ratio",
+OF_CYCLES = (
+    "settlement_m",
+    "settlement_peak_m",
+    *row_of("lateral_{}_m"),
+    *row_of("porosity_{}"),
+    "tracking_rms_Pa",
+    "clumps",
 )
+OF_BEDS = (
+    "bulge_volume_m3",
+    "shoulder_displacement_m",
+    "crib_heave_m",
+    "coordination_number",
+    "overlap_mean_m",
+    "overlap_max_ratio",
+    "rotation_mean_rad",
+    "sliding_share",
+    "at_limit_share",
+)
+OF_CONTACTS = (
+    "normal_force_mean_N",
+    "contact_anisotropy",
+    "force_anisotropy",
+    "force_chain_share",
+    "force_chain_load_share",
+)
+"""What a summary tells of each table."""
+NOT_SUMMED_UP = ("cycle", "settlement_increment_m", "tracking_ratio")
+"""Columns of `per_cycle` that a summary leaves out: they are told otherwise."""
 SUMMARY = ("quantity", "cycle", "value", "low", "high", "unit", "missing")
 
 
@@ -48,17 +68,9 @@ def last_cycle(run) -> int:
 
 
 def per_cycle(run) -> pd.DataFrame:
-    """Quantities of each finished cycle (columns PER_CYCLE).
+    """What follows for each finished cycle: `cycle` and quantities that formats/quantities.py defines, by name.
 
-    settlement_increment_m   what the cycle adds at minimum load
-    resilient_stroke_m       settlement at maximum load minus that at the minimum load after it: what springs back
-    peak_acceleration_m_s2   half that stroke x (2 pi f)^2, of a sinusoid: where it exceeds gravity the sleeper's bed
-                             throws what lies loose on it
-    secant_stiffness_N_m     range of the sleeper's load over that stroke
-    loop_energy_J            work of the load in the cycle, the area of the loop of load against settlement
-    porosity_spread          largest minus smallest porosity of the three measurement spheres
-    tracking_ratio           rms tracking error over the largest target stress
-    Loads and work are those of the scenario's width (a slice carries less).
+    Loads and work are those of the scenario's width: a narrower box carries less.
     """
     cycles = run.cycles
     box = derived.apparatus(run.scenario) if run.scenario is not None else None
@@ -83,7 +95,7 @@ def per_cycle(run) -> pd.DataFrame:
             "tracking_ratio": cycles["tracking_rms_Pa"]
             / (run.scenario["loading.stress_max"] if run.scenario is not None else math.nan),
         }
-    )[list(PER_CYCLE)]
+    )
 
 
 def loop_energy(run) -> dict[int, float]:
@@ -224,67 +236,14 @@ def after_cycles(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
     rows: list[tuple] = []
     done = int(run.cycles["cycle"].max()) if len(run.cycles) else 0
     wanted = [*(n for n in cycles if n != done), *([done] if done else [])]
-    _add_at(
-        rows,
-        run.cycles,
-        wanted,
-        done,
-        {
-            "settlement_m": "m",
-            "settlement_peak_m": "m",
-            **{f"lateral_{k}_m": "m" for k in file_columns.PLATES},
-            **{f"porosity_{k}": "-" for k in file_columns.SPHERES},
-            "tracking_rms_Pa": "Pa",
-            "clumps": "-",
-        },
-        "cycles.csv",
-    )
-    _add_at(
-        rows,
-        per_cycle(run),
-        wanted,
-        done,
-        {
-            "resilient_stroke_m": "m",
-            "peak_acceleration_m_s2": "m/s2",
-            "secant_stiffness_N_m": "N/m",
-            "loop_energy_J": "J",
-            "porosity_spread": "-",
-        },
-        "history.csv",
-    )
-    _add_at(
-        rows,
-        run.microstructure,
-        [0, *wanted],
-        done,
-        {
-            "bulge_volume_m3": "m3",
-            "shoulder_displacement_m": "m",
-            "crib_heave_m": "m",
-            "coordination_number": "-",
-            "overlap_mean_m": "m",
-            "overlap_max_ratio": "-",
-            "rotation_mean_rad": "rad",
-            "sliding_share": "-",
-            "at_limit_share": "-",
-        },
-        "microstructure.csv",
-    )
-    _add_at(
-        rows,
-        run.microstructure,
-        [0, *wanted],
-        done,
-        {
-            "normal_force_mean_N": "N",
-            "contact_anisotropy": "-",
-            "force_anisotropy": "-",
-            "force_chain_share": "-",
-            "force_chain_load_share": "-",
-        },
-        "microstructure.csv (contacts of that cycle)",
-    )
+    follow = per_cycle(run)
+    for table, at, names, source in (
+        (run.cycles, wanted, OF_CYCLES, "cycles.csv"),
+        (follow, wanted, [name for name in follow if name not in NOT_SUMMED_UP], "history.csv"),
+        (run.microstructure, [0, *wanted], OF_BEDS, "microstructure.csv"),
+        (run.microstructure, [0, *wanted], OF_CONTACTS, "microstructure.csv (contacts of that cycle)"),
+    ):
+        _add_at(rows, table, at, done, names, source)
     return pd.DataFrame(rows, columns=SUMMARY)
 
 
@@ -303,10 +262,10 @@ def fitted(run) -> pd.DataFrame:
 
 
 def _add_at(
-    rows: list, table: pd.DataFrame, wanted: Sequence[int], done: int, units: dict[str, str], source: str
+    rows: list, table: pd.DataFrame, wanted: Sequence[int], done: int, names: Iterable[str], source: str
 ) -> None:
     by_cycle = table.set_index("cycle")
-    for name, unit in units.items():
+    for name in names:
         for n in wanted:
             value = float(by_cycle.at[n, name]) if n in by_cycle.index else math.nan
             if value == value:
@@ -315,4 +274,4 @@ def _add_at(
                 why = f"the run has {done} cycles"
             else:
                 why = f"not in {source}"
-            rows.append((name, n, value, math.nan, math.nan, unit, why))
+            rows.append((name, n, value, math.nan, math.nan, QUANTITIES[name].unit, why))
