@@ -27,8 +27,18 @@ from analysis.comparison.claims.uncertainty import Estimate, coverage
 from analysis.scenarios.study import key_scenarios
 
 LINEAR, NONLINEAR = key_scenarios()
+Judge = Callable[[Evidence, dict], Iterator[Check]]
+CHECKS: dict[str, Judge] = {}
+"""Claims by their id."""
 
 
+def judges(function: Judge) -> Judge:
+    """The function judges the claim whose id is its name."""
+    CHECKS[function.__name__] = function
+    return function
+
+
+@judges
 def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 1."""
     last = e.common_cycle(t["cycles"])
@@ -45,6 +55,7 @@ def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
     yield e.check(f"{LINEAR} does not have it", "-", lambda s: t["share"] - s, share[LINEAR])
 
 
+@judges
 def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 2."""
     ours = e.measure("late slope", lambda r: run_slope(r, t["first"], t["cycles"]), t["cycles"])
@@ -69,6 +80,7 @@ def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
     )
 
 
+@judges
 def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 3."""
     what, curve = "the difference scatters little about its mean", e.experiment("settlement")
@@ -90,6 +102,7 @@ def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
     yield e.check(what, "m", lambda m: m, widened(measured[NONLINEAR], error))
 
 
+@judges
 def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 4."""
     for cycle, sign in ((1, -1), (100, 1), (t["cycles"], 1)):
@@ -103,6 +116,7 @@ def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
         )
 
 
+@judges
 def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 5."""
     for cycle in (1, 100):
@@ -122,6 +136,7 @@ def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
     )
 
 
+@judges
 def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 6."""
     for cycle, words in ((1, "twice"), (t["cycles"], "alike")):
@@ -144,6 +159,7 @@ def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
             )
 
 
+@judges
 def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 7."""
     last = e.common_cycle(t["cycles"])
@@ -172,6 +188,7 @@ def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
             )
 
 
+@judges
 def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 8."""
     curve = e.experiment("settlement")
@@ -207,6 +224,7 @@ def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
         )
 
 
+@judges
 def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 9."""
     last = e.common_cycle(t["cycles"])
@@ -226,6 +244,7 @@ def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
     )
 
 
+@judges
 def preload_drop(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 10."""
     start = e.measure("porosity after preload", lambda r: porosities(r, 0).mean(), 0, relative=False)
@@ -234,6 +253,7 @@ def preload_drop(e: Evidence, t: dict) -> Iterator[Check]:
     )
 
 
+@judges
 def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
     """Claim 11."""
     what = "shorter than the linear model's"
@@ -344,21 +364,3 @@ def _best_between(e: Evidence) -> str:
         f"after cycle {last} e_n = 1 settles {1e3 * best:.3g} mm, no. {place} of {len(others) + 1} from the largest: "
         f"by settlement alone it is nearest to the experiment if that is {' and '.join(limits)} mm"
     )
-
-
-CHECKS: dict[str, Callable[[Evidence, dict], Iterator[Check]]] = {
-    f.__name__: f
-    for f in (
-        exponential_start,
-        late_slope,
-        vertical_shift,
-        linear_lateral,
-        nonlinear_lateral,
-        damping_modes,
-        restitution_trend,
-        undamped_best,
-        porosity_order,
-        preload_drop,
-        computing_time,
-    )
-}
