@@ -11,7 +11,7 @@ CYCLES    ?=
 BED       ?=
 REDO      ?=
 SCENARIOS ?=
-CASE      ?= examples/impact.toml
+CASE      ?= docs/examples/impact.toml
 TIMES     ?= 25
 
 # Values reach the shell through the environment, as they were typed: neither make nor the shell reads them as code.
@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme docs view unload keep verify impact mutations sanitize reference calibrate timestep bench \
+.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme docs view unload keep verify impact chung-ooi mutations sanitize reference calibrate timestep bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -93,8 +93,10 @@ torture: setup ## kill and stop runs of the demo bed TIMES times per code and la
 	@.venv/bin/python tests/torture.py --times="$$TIMES"
 verify: setup ## contact laws and clumps of both codes against closed forms
 	@$(ANALYSIS) verify
-impact: setup ## any impact of two bodies in both codes: make impact CASE=examples/impact.toml, or CASE=<scenario>
+impact: setup ## any impact of two bodies in both codes: make impact CASE=docs/examples/impact.toml, or CASE=<scenario>
 	@$(ANALYSIS) impact -- "$$CASE"
+chung-ooi: setup ## the eight benchmark impacts of Chung and Ooi (2011) in both codes, a figure each
+	@$(ANALYSIS) impact -- docs/examples/chung-ooi
 mutations: setup ## wrong laws that the verification must notice: which case catches which (half an hour)
 	@$(ANALYSIS) mutations
 sanitize: setup ## the verification of LIGGGHTS with address and undefined-behaviour checks

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 
 from analysis.arguments import Parser
+from analysis.formats.errors import InputError
 
 COMMANDS = {  # name: module, purpose
     "run": ("driver.run", "simulate one scenario in one code, or go on with it"),
@@ -56,6 +57,9 @@ def _ended(work: Callable[[object], int | None], options: object) -> int:
         code = work(options) or 0
         sys.stdout.flush()
         return code
+    except InputError as error:  # a damaged file that the command needs
+        print(error, file=sys.stderr)
+        return 1
     except BrokenPipeError:  # `| head` has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE

@@ -22,7 +22,7 @@ from analysis.reference.curves import load_references
 from analysis.scenarios import cost, derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
-from analysis.verification.impact import read_impact
+from analysis.verification.impact_file import read_impacts
 
 ROOT = Path(__file__).resolve().parent.parent
 MUTATIONS = 300
@@ -167,9 +167,10 @@ def test_scenario_files(tmp_path):
 
 
 def test_impact_files(tmp_path):
-    path = tmp_path / "impact.toml"
-    shutil.copy(ROOT / "examples" / "impact.toml", path)
-    assert fuzz(path, OF_TEXTS, lambda path: read_impact(path).probe()) > MUTATIONS / 4
+    for name in ("impact.toml", "chung-ooi/test7.toml"):
+        path = tmp_path / Path(name).name
+        shutil.copy(ROOT / "docs" / "examples" / name, path)
+        assert fuzz(path, OF_TEXTS, lambda path: read_impacts(path).impacts[0].probe()) > MUTATIONS / 5
 
 
 SIDECAR = """

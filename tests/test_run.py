@@ -311,6 +311,16 @@ def test_a_damaged_table_of_cycles_is_refused_and_left_as_it_is(finished, spoil)
     assert everything(folder) == before
 
 
+@pytest.mark.parametrize("content", ["", "[]", '{"state": "finished"}', "{", "null"])
+def test_a_damaged_record_is_refused_and_left_as_it_is(finished, content):
+    results, folder = finished
+    (folder / "run.json").write_text(content)
+    before = everything(folder)
+    done = drive(FAKE, *LINEAR[:-1], CYCLES + 1, "--results", results)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert f"{folder}/run.json" in done.stderr and "restore" in done.stderr and everything(folder) == before
+
+
 def test_more_cycles_extend_a_finished_run(finished, tmp_path):
     results, folder = finished
     done = drive(FAKE, *LINEAR[:-1], CYCLES + 2, "--results", results)

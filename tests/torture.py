@@ -31,8 +31,8 @@ from analysis.scenarios.study import key_scenarios
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGSTOP)
 TARGETS = ("driver", "engine", "group")
-ENDING_S = 300
-"""Real time that a driver may take to end after a signal: the longest block of a demo bed on a busy machine."""
+ENDING_S = 1800
+"""Real time that a driver may take to end after a signal: the longest block of a demo bed on a very busy machine."""
 
 
 class Tormentor:
@@ -78,16 +78,26 @@ class Tormentor:
             self.done[f"{number.name.removeprefix('SIG')} to {target}"] += 1
             self._send(process, number, target)
             if number != signal.SIGSTOP:
-                out, err = process.communicate(timeout=ENDING_S)
-                wait_until(lambda: not engines_of(self.folder), "the engine lives on", seconds=20)
+                out, err = self._end(process)
+                wait_until(lambda: not engines_of(self.folder), "the engine lives on", seconds=120)
                 assert process.returncode != 0 or self._is_finished(), out + err
                 self._check_rows()
                 return True
-            out, err = process.communicate(timeout=ENDING_S * 10)
+            out, err = self._end(process, ENDING_S * 10)
             assert process.returncode == 0, out + err  # nothing but time has passed
             return True
         assert process.returncode == 0, out + err
         return False
+
+    def _end(self, process: subprocess.Popen, limit_s: float = ENDING_S) -> tuple[str, str]:
+        """What the driver printed until it ended; one that hangs is killed, and says after which disturbance."""
+        try:
+            return process.communicate(timeout=limit_s)
+        except subprocess.TimeoutExpired:
+            alive = engines_of(self.folder)
+            for pid in (process.pid, *alive):
+                _kill(pid, signal.SIGKILL)
+            raise AssertionError(f"no end {limit_s} s after {self.report()}; engines alive: {len(alive)}") from None
 
     def _send(self, process: subprocess.Popen, number: signal.Signals, target: str) -> None:
         pids = [process.pid] if target != "engine" else []

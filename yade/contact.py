@@ -125,6 +125,22 @@ class ContactLaw:
             matches.append((self.side, self.touching, wall if side is None else side))
         return MatchMaker(matches=matches)
 
+    def add_plane(self) -> None:
+        """A material "plane" for a wall that meets spheres by the hysteretic law; of verification only.
+
+        YADE counts half the sphere's radius at planes (1/R + 1/R), where eq. 9 has the whole: moduli that are larger
+        by sqrt(2) make up for it.
+        """
+        sphere = O.materials[self.particle]
+        plane = O.materials.append(
+            FrictMat(
+                young=sphere.young / (math.sqrt(2) - 1), poisson=sphere.poisson, density=sphere.density, label="plane"
+            )
+        )
+        friction = math.atan(self.scenario["contact.particle_particle.friction"])
+        pairs = [(self.particle, other, friction) for other in (self.particle, plane)]
+        self._between.frictAngle = MatchMaker(matches=pairs)
+
     def set_stiffness(self, fraction: float) -> None:
         """Use this fraction of the linear contacts' stiffness from now on, in old and new contacts."""
         s = self.scenario

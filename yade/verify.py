@@ -29,7 +29,7 @@ from analysis.formats import bed_file  # noqa: E402
 from analysis.scenarios.scenario import Scenario  # noqa: E402
 from bed import Bed  # noqa: E402
 from bond import Bonds, is_bond  # noqa: E402
-from contact import ContactLaw  # noqa: E402
+from contact import MEETS_PARTICLES, ContactLaw  # noqa: E402
 
 O = Omega()
 
@@ -120,6 +120,9 @@ def run(probe: dict, folder: Path) -> None:
     if probe["wall"]:
         if probe["wall"] == "block":
             wall = utils.box((0, 0, 0), probe["block"], fixed=True, material="wall", mask=law.wall_mask)
+        elif probe["wall"] == "hysteretic":
+            law.add_plane()
+            wall = utils.wall(0.0, axis=2, sense=1, material="plane", mask=MEETS_PARTICLES)
         else:
             wall = utils.wall(0.0, axis=2, sense=1, material="wall", mask=law.wall_mask)
         O.bodies.append(wall)

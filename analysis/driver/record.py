@@ -11,8 +11,8 @@ from analysis.driver.folder import STAGES
 from analysis.driver.provenance import git_state, is_repeatable, now, versions
 from analysis.driver.rawfiles import last_rows
 from analysis.driver.settings import RunSettings
-from analysis.formats.errors import InputError
-from analysis.formats.run_record import RunRecord, Timing
+from analysis.formats.errors import InputError, reason
+from analysis.formats.run_record import FILE, RunRecord, Timing
 from analysis.scenarios import deviations
 
 
@@ -89,8 +89,14 @@ def _parts(old: RunRecord | None) -> list[dict]:
 
 
 def stored_record(folder: Path) -> RunRecord | None:
-    """run.json of a run, or None where there is none that can be read."""
+    """run.json of a run, None without one; InputError, naming the folder, where it is damaged."""
     try:
         return RunRecord.read(folder)
-    except (OSError, InputError):
+    except FileNotFoundError:
         return None
+    except InputError as error:
+        raise InputError(f"{folder}/{error}") from None
+    except OSError as error:
+        raise InputError(
+            f"{folder}/{FILE}", allowed=f"cannot be read ({reason(error)}); mend it or move it away"
+        ) from None

@@ -132,12 +132,11 @@ def study_table(results: Path) -> str:
     for row in study.rows():
         folder = run_folder(results, study.profile(), row.scenario, row.code, row.seed)
         part = parts.setdefault(row.part, dict.fromkeys(("runs", "done", "failed", "running", "cycles", "asked"), 0))
-        body = stored_record(folder)
-        state = state_of(folder, body.state)[0] if body else ""
         try:
-            done = min(cycles_done(folder), row.cycles)
+            body, done = stored_record(folder), min(cycles_done(folder), row.cycles)
         except InputError:  # the table above says what is wrong with it
-            done = 0
+            body, done = None, 0
+        state = state_of(folder, body.state)[0] if body else ""
         part["runs"] += 1
         part["cycles"] += done
         part["asked"] += row.cycles

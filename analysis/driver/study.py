@@ -21,6 +21,7 @@ from analysis.driver.record import stored_record
 from analysis.driver.run import run
 from analysis.driver.settings import RESULTS, RunSettings
 from analysis.driver.status import table
+from analysis.formats.errors import InputError
 from analysis.scenarios import study
 from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario
 
@@ -44,7 +45,11 @@ def listing(rows: list[study.Row], folder_of) -> str:
     lines = []
     for row in rows:
         cells = {name: str(getattr(row, name)) for name in COLUMNS[:-1]}
-        lines.append(cells | {"done": str(min(row.cycles, cycles_done(folder_of(row))) or "")})
+        try:
+            done = str(min(row.cycles, cycles_done(folder_of(row))) or "")
+        except InputError:  # `make status` says what is wrong with it
+            done = "damaged"
+        lines.append(cells | {"done": done})
     return table(lines, COLUMNS)
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import os
+import resource
+import signal
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
@@ -21,7 +23,8 @@ from analysis.driver.liggghts import parameter_deck
 from analysis.files import ROOT
 from analysis.scenarios.scenario import Parameter, Scenario
 
-TIME_LIMIT_S = 250
+TIME_LIMIT_S, PATIENCE_S = 250, 7200
+"""Most processor time of an engine, and most real time, which a busy machine stretches."""
 WALLS = ("", "linear", "hysteretic", "block")
 BLOCK_M = (0.03, 0.04, 0.05)
 """Half the edges of the block of verification."""
@@ -58,8 +61,8 @@ class ClumpAt:
 class Probe:
     """One small case. Balls and clumps do not mix.
 
-    wall -- "" for none, "linear" for the study's wall at z = 0, "hysteretic" for a wall with the particles' law
-            (LIGGGHTS only: the study has no such wall), "block" for a block about the origin
+    wall -- "" for none, "linear" for the study's wall at z = 0, "hysteretic" for a plane with the particles' law, which
+            the study does not have, "block" for a block about the origin
     path -- [(velocity, steps), ...]: the first ball moves so instead of freely
     spins -- spin of that ball in each part of the path; else it keeps its own
     gravity -- along -z, m/s2
@@ -188,7 +191,10 @@ def _run_liggghts(probes: list[Probe], folder: Path):
     except EngineFailure as error:
         return {}, {probe.name: str(error)}
     spheres = len(probe.balls) + 2 * len(probe.clumps)
-    rows = np.fromfile(folder / "rows.bin").reshape(-1, 3 + 15 * spheres)
+    rows = np.fromfile(folder / "rows.bin")
+    if len(rows) % (3 + 15 * spheres):
+        return {}, {probe.name: f"{folder}/rows.bin: is not whole; free disk space and try again"}
+    rows = rows.reshape(-1, 3 + 15 * spheres)
     values = rows[:, 3:].reshape(len(rows), spheres, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
     return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), *rows[:, :3].T)}, {}
@@ -235,6 +241,10 @@ def _liggghts_case(probe: Probe) -> str:
     return "".join(f"variable {name} index {value}\n" for name, value in values.items())
 
 
+def _limit_processor_time() -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (TIME_LIMIT_S, TIME_LIMIT_S + 10))
+
+
 def call_engine(command: list[str], folder: Path) -> None:
     """Run an engine in the repository's root, its words going to `folder`/engine.log; EngineFailure if it fails."""
     log, name = folder / "engine.log", Path(command[0]).name
@@ -247,10 +257,13 @@ def call_engine(command: list[str], folder: Path) -> None:
                 stderr=subprocess.STDOUT,
                 env=ENVIRONMENT | os.environ,
                 stdin=subprocess.DEVNULL,
-                timeout=TIME_LIMIT_S,
+                timeout=PATIENCE_S,
+                preexec_fn=_limit_processor_time,
             ).returncode
         except subprocess.TimeoutExpired:
-            raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s") from None
+            raise EngineFailure(f"{name}: no end after {PATIENCE_S} s") from None
+    if status == -signal.SIGXCPU:
+        raise EngineFailure(f"{name}: no end after {TIME_LIMIT_S} s of processor time")
     if status:
         errors = [line for line in log.read_text(errors="replace").splitlines() if "ERROR" in line]
         raise EngineFailure(f"{name}: exit code {status}: {errors[0] if errors else 'no line with ERROR; see --keep'}")

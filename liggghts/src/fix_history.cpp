@@ -1,5 +1,6 @@
 #include "fix_history.h"
 
+#include <cerrno>
 #include <cstring>
 
 #include "comm.h"
@@ -63,6 +64,13 @@ void FixHistory::write_header() {
   for (std::size_t n = 1; n <= plates_.size(); n++)
     fprintf(file_, ",plate_%zu_stress_Pa,plate_%zu_stress_mean_Pa,plate_%zu_displacement_m", n, n, n);
   fprintf(file_, "\n");
+  flush();
+}
+
+void FixHistory::flush() {
+  // what did not fit into the buffer went out, or failed, before
+  if (fflush(file_) != 0 || ferror(file_))
+    ballast::stop_with_error(lmp, path_ + ": cannot be written (" + strerror(errno) + "); free disk space and resume");
 }
 
 void FixHistory::write_row() {
@@ -73,7 +81,7 @@ void FixHistory::write_row() {
     for (const FixLoadControl *plate : plates_)
       fprintf(file_, ",%.17g,%.17g,%.17g", plate->stress(), plate->mean_stress(), 0.0 - plate->travel());
     fprintf(file_, "\n");
-    if (fflush(file_) != 0) ballast::stop_with_error(lmp, path_ + ": cannot be written; free disk space and resume");
+    flush();
   }
   sleeper_->start_row();
   for (FixLoadControl *plate : plates_) plate->start_row();

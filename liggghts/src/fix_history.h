@@ -22,6 +22,7 @@ class FixHistory : public Fix {
 
  private:
   void write_header();
+  void flush();
   void write_row();
   class FixLoadControl *find_load(const char *id) const;
 

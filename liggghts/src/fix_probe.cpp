@@ -11,6 +11,7 @@
 #include "fix_bonds.h"
 #include "fix_multisphere_damped.h"
 #include "force.h"
+#include "stop_with_error.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
@@ -30,6 +31,12 @@ FixProbe::FixProbe(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), fil
 FixProbe::~FixProbe() { fclose(file_); }
 
 int FixProbe::setmask() { return END_OF_STEP; }
+
+void FixProbe::post_run() {
+  if (fflush(file_) != 0 || ferror(file_)) fail();
+}
+
+void FixProbe::fail() { ballast::stop_with_error(lmp, path_ + ": cannot be written; free disk space"); }
 
 void FixProbe::setup(int) {
   if (last_row_ < 0) write_row();
@@ -53,8 +60,7 @@ void FixProbe::write_row() {
   for (int i : order)
     for (double *const *values : {atom->x, atom->v, atom->omega, atom->f, atom->torque})
       row.insert(row.end(), values[i], values[i] + 3);
-  if (fwrite(row.data(), sizeof(double), row.size(), file_) != row.size())
-    error->one(FLERR, (path_ + ": cannot be written; free disk space").c_str());
+  if (fwrite(row.data(), sizeof(double), row.size(), file_) != row.size()) fail();
 }
 
 int FixProbe::modify_param(int narg, char **arg) {

@@ -21,10 +21,12 @@ class FixProbe : public Fix {
   int setmask() override;
   void setup(int) override;
   void end_of_step() override;
+  void post_run() override;
   int modify_param(int, char **) override;
 
  private:
   void write_row();
+  void fail();
 
   std::string path_;
   FILE *file_;

@@ -27,8 +27,10 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail() const {
-  stop_with_error(lmp_, path_ + ": cannot be written (" + strerror(errno) +
-                            "); free disk space or correct permissions, then resume");
+  const std::string reason = strerror(errno);
+  unlink(partial_.c_str());  // on a full disk, half a file is only in the way
+  stop_with_error(lmp_,
+                  path_ + ": cannot be written (" + reason + "); free disk space or correct permissions, then resume");
 }
 
 }  // namespace ballast

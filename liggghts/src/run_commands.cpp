@@ -1,7 +1,6 @@
 // Commands that report and steer a run: state rows, checkpoints, stop requests, ends.
 #include <fcntl.h>
 #include <mpi.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -29,7 +28,7 @@ namespace ballast {
 namespace {
 
 /// Bytes: less than this is free only where a file did not fit.
-const double SPACE_LEFT_BY_A_WHOLE_FILE = 65536.0;
+const int SPACE_LEFT_BY_A_WHOLE_FILE = 65536;
 
 /// All ranks together.
 void leave(LAMMPS *lmp, int status) {
@@ -60,7 +59,8 @@ void write_state_row(LAMMPS *lmp, int narg, char **arg) {
     fprintf(file, "%s,%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.0f,%.0f,%.17g,%.17g\n", arg[1],
             static_cast<long long>(stage->step()), stage->time(), s.kinetic_energy, s.unbalanced_ratio,
             s.overlap_max_ratio, s.overlap_mean, s.contacts, s.clumps, s.at_limit_share, s.sliding_share);
-    written = fclose(file) == 0;
+    written = fflush(file) == 0 && !ferror(file);
+    written = fclose(file) == 0 && written;
   }
   if (!written)
     stop_with_error(lmp,
@@ -69,12 +69,16 @@ void write_state_row(LAMMPS *lmp, int narg, char **arg) {
 
 namespace {
 
-/// Free bytes where `path` lies.
-double free_space(const std::string &path) {
-  const std::string::size_type slash = path.rfind('/');
-  struct statvfs disk;
-  if (statvfs(slash == std::string::npos ? "." : path.substr(0, slash).c_str(), &disk) != 0) return 0.0;
-  return static_cast<double>(disk.f_bavail) * disk.f_frsize;
+/// True where so much can still be written beside `path`: neither disk nor quota is full.
+bool has_room(const std::string &path) {
+  const std::string name = path + ".room.partial";
+  const int descriptor = open(name.c_str(), O_WRONLY | O_CREAT, 0600);
+  if (descriptor < 0) return false;
+  const int failure = posix_fallocate(descriptor, 0, SPACE_LEFT_BY_A_WHOLE_FILE);
+  close(descriptor);
+  unlink(name.c_str());
+  if (failure) errno = failure;
+  return failure == 0;
 }
 
 }  // namespace
@@ -86,10 +90,14 @@ void write_checkpoint(LAMMPS *lmp, int narg, char **arg) {
   if (lmp->comm->me == 0) {
     // LIGGGHTS does not notice a full disk: what does not fit is silently missing
     const int descriptor = open(partial.c_str(), O_RDONLY);
-    const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0 && free_space(path) >= SPACE_LEFT_BY_A_WHOLE_FILE;
+    const bool on_disk = descriptor >= 0 && fsync(descriptor) == 0 && has_room(path);
     if (descriptor >= 0) close(descriptor);
-    if (!on_disk || rename(partial.c_str(), path.c_str()) != 0)
-      stop_with_error(lmp, path + ": cannot be written; free disk space or correct permissions, then resume");
+    if (!on_disk || rename(partial.c_str(), path.c_str()) != 0) {
+      const std::string reason = strerror(errno);
+      unlink(partial.c_str());
+      stop_with_error(
+          lmp, path + ": cannot be written (" + reason + "); free disk space or correct permissions, then resume");
+    }
   }
   MPI_Barrier(lmp->world);
 }
