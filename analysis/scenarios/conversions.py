@@ -1,5 +1,5 @@
-"""How a scenario's parameters become those of YADE and of LIGGGHTS: the table in PARAMETERS.md, and what tests hold
-against the values that the engines really got.
+"""How a scenario's parameters become those of YADE and of LIGGGHTS: the table in PARAMETERS.md, which tests
+compare with the values that the engines use.
 """
 
 from __future__ import annotations
@@ -225,7 +225,7 @@ CONVERSIONS = (
 
 
 OWN_MODELS = (
-    ("contact models", "`FrictMat`; `PartialSatMat` with Mindlin", "`hooke/stiffness`; `hertz`, `tangential history`"),
+    ("contact models", "`FrictMat`; `FrictMat` with Mindlin", "`hooke/stiffness`; `hertz`, `tangential history`"),
     ("normal, shear stiffness (linear)", "`kn` = k_n, `ks` = k_s", "`kn` = k_n, `kt` = k_s"),
     ("damping ratio (linear)", "`betan` = beta", "`gamman` = 2 beta sqrt(k_n/m), m of half a clump; `gammat` = 0"),
     (
@@ -259,8 +259,8 @@ def markdown() -> str:
     """The tables for PARAMETERS.md."""
     lines = [
         "## The same parameter in YADE and in LIGGGHTS\n",
-        "Tests hold each row against the values the engines got. What YADE does otherwise is in every run's `run.json` "
-        "(deviations).\n",
+        "Tests compare each row with the values that the engines use. [docs/method.md](docs/method.md"
+        "#what-each-code-does-otherwise) lists what YADE does otherwise.\n",
         "| parameter | contact model | YADE | LIGGGHTS |",
         "| --- | --- | --- | --- |",
     ]
