@@ -28,21 +28,25 @@ def path(text: str) -> Path:
 
 def add_identity(parser: Parser) -> None:
     """Scenario, variants, code, profile, seed and results: what names a run's folder."""
-    parser.add_argument("scenario", help="a scenario of the scenario file, perhaps with its variants: NAME+VARIANT")
-    parser.add_argument("--variant", default="", help="variants of the scenario file, e.g. servo or servo,same-bed")
-    parser.add_argument("--code", choices=CODES, required=True)
-    parser.add_argument("--profile", default="demo", help="demo (default) or full")
-    parser.add_argument("--seed", type=whole, default=1, help="of the start orientations (default 1)")
+    parser.add_argument("scenario", help="name of a scenario in the scenario file; NAME+VARIANT adds a variant")
+    parser.add_argument("--variant", default="", help="variants laid over the scenario, e.g. servo or servo,same-bed")
+    parser.add_argument("--code", choices=CODES, required=True, help="engine")
+    parser.add_argument("--profile", default="demo", help="size of the bed: demo (default) or full")
+    parser.add_argument("--seed", type=whole, default=1, help="seed of the clumps' orientations (default 1)")
     parser.add_argument("--results", type=path, default=RESULTS, help="folder of all results")
 
 
 def add_run(parser: Parser) -> None:
     """The same, and what else makes a run what it is."""
     add_identity(parser)
-    parser.add_argument("--cycles", type=whole, help="instead of loading.cycles; raise it to extend a finished run")
-    parser.add_argument("--bed", type=path, help="start from this packed bed (a common bed file) instead of packing")
+    parser.add_argument(
+        "--cycles", type=whole, help="number of cycles, instead of loading.cycles; a larger one extends a finished run"
+    )
+    parser.add_argument("--bed", type=path, help="bed file of a packed bed to start from, instead of packing")
     parser.add_argument("--ranks", type=whole, default=1, help="MPI ranks of LIGGGHTS or threads of YADE (default 1)")
-    parser.add_argument("--scenarios", type=path, default=SCENARIO_FILE, help="another scenario file")
+    parser.add_argument(
+        "--scenarios", type=path, default=SCENARIO_FILE, help="scenario file, instead of scenarios.toml"
+    )
 
 
 def settings(chosen: argparse.Namespace, **more) -> RunSettings:

@@ -325,8 +325,13 @@ def add_arguments(parser: Parser) -> None:
     """Arguments of `ballast run`."""
     options.add_run(parser)
     parser.add_argument("--until", choices=STAGES[:2], help="pause after this stage")
-    parser.add_argument("--redo", action="store_true", help="compute cycles again that no checkpoint leads to any more")
-    parser.add_argument("--progress", choices=("line", "lines"), default="line", help="one renewed line, or a log")
+    parser.add_argument("--redo", action="store_true", help="compute finished cycles again whose checkpoints are gone")
+    parser.add_argument(
+        "--progress",
+        choices=("line", "lines"),
+        default="line",
+        help="line: one line that is renewed (default); lines: a log",
+    )
 
 
 def execute(chosen: argparse.Namespace, engines: Mapping[str, Engine] = ENGINES) -> int:
