@@ -635,7 +635,7 @@ def the_study():
     runs = []
     for row in study.final_rows():
         name, variants = split_id(row.scenario)
-        if variants in ((), (SERVO_VARIANT,)):
+        if name in scenario_names(group="paper") and variants in ((), (SERVO_VARIANT,)):
             reading = SERVO if variants else TRUE_LOAD
             runs.append(make_run(name, row.seed, row.cycles, row.code, reading=reading, **clear_answers(name)))
     assert len({run.base_name for run in runs}) == 14 and len(runs) >= 14 * 2 + 5 * 2 * 2 + 3
