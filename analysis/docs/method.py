@@ -11,6 +11,7 @@ from pathlib import Path
 import jinja2
 
 from analysis import laws
+from analysis.formats import numbers
 from analysis.formats.markdown import table
 from analysis.scenarios import derived, deviations
 from analysis.scenarios.scenario import load_scenario, scenario_names
@@ -27,7 +28,8 @@ def _stages() -> str:
     low, high = s["loading.stress_min"] / 1e3, s["loading.stress_max"] / 1e3
     return jinja2.Template(STAGES.read_text(encoding="utf-8"), undefined=jinja2.StrictUndefined).render(
         s=s,
-        n=lambda key, factor=1: f"{factor * s[key]:.4g}",
+        n=lambda key, factor=1: numbers.readable(s[key], 5, factor),
+        shares=", ".join(f"{share:g}" for share in s["packing.relax_stiffness"]),
         mean=f"{(low + high) / 2:g}",
         amplitude=f"{(high - low) / 2:g}",
     )
