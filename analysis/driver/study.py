@@ -1,8 +1,8 @@
 """`make study`: the list of [study] in the scenario file, made by make's own job queue.
 
-    python -m analysis study --list          # the list
-    python -m analysis study --make          # the list as rules for make: make -j2 study
-    python -m analysis study --row NAME      # one row: goes on with it, answers at once when it is done
+    ballast study --list          # the list
+    ballast study --make          # the list as rules for make: make -j2 study
+    ballast study --row NAME      # one row: goes on with it, answers at once when it is done
 
 A run that diverged is a result: it is not tried again.
 """
@@ -117,7 +117,7 @@ def execute(chosen: argparse.Namespace) -> int:
     else:
         found = study.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
     if not found:
-        print("study: no such row; `python -m analysis study --list` prints them", file=sys.stderr)
+        print("study: no such row; `ballast study --list` prints them", file=sys.stderr)
         return 2
     (row,) = found
     if text := settled(folder_of(row), row.cycles):

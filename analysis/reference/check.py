@@ -1,4 +1,4 @@
-"""`python -m analysis reference`: checks every file of reference data and lists what is there and what is pending."""
+"""`ballast reference`: checks every file of reference data and lists what is there and what is pending."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.scenarios.scenario import ScenarioError
 
 
 def main(argv: list[str]) -> int:
-    """`python -m analysis reference`: check every file, list what is there and what is pending."""
+    """`ballast reference`: check every file, list what is there and what is pending."""
     parser = Parser(prog="ballast reference", description=main.__doc__)
     parser.add_argument("--folder", type=Path, default=REFERENCE_FOLDER, help="instead of reference_data/")
     folder = parser.parse_args(argv).folder

@@ -1,4 +1,4 @@
-"""The report: a small site of self-contained pages from whatever runs there are. `python -m analysis report` builds it.
+"""The report: a small site of self-contained pages from whatever runs there are. `ballast report` builds it.
 
 The same runs give the same files. Figures lie in `figures/` beside the pages, each as SVG, PNG and CSV.
 """

@@ -1,4 +1,4 @@
-"""The findings as CSV files: `python -m analysis findings`."""
+"""The findings as CSV files: `ballast findings`."""
 
 from __future__ import annotations
 

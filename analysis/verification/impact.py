@@ -1,4 +1,4 @@
-"""`python -m analysis impact FILE.toml`: impacts of two spheres, or of a sphere on a plane or wall, in both codes.
+"""`ballast impact FILE.toml`: impacts of two spheres, or of a sphere on a plane or wall, in both codes.
 
 `docs/examples` has files to start from; the head of analysis/verification/impact_file.py lists all keys:
 

@@ -1,4 +1,4 @@
-"""`python -m analysis mutations`: does the verification notice a wrong law?
+"""`ballast mutations`: does the verification notice a wrong law?
 
 Each mutation changes a line of the LIGGGHTS models (or of YADE's scripts) in a copy, builds it, and runs the
 verification cases on it. The command prints which cases caught it, and ends non-zero if one goes unnoticed or does not

@@ -1,4 +1,4 @@
-"""`python -m analysis verify`: both codes against closed forms and the oracle, on cases with known answers.
+"""`ballast verify`: both codes against closed forms and the oracle, on cases with known answers.
 
 Writes report/verification.csv, one row per compared quantity, and report/verification/<case>_<code>.csv, the curves
 behind them. Ends non-zero if a row fails.

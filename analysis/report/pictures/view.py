@@ -1,4 +1,4 @@
-"""`python -m analysis view SCENARIO --code CODE`: pictures of a bed as PNG, and VTP files for ParaView."""
+"""`ballast view SCENARIO --code CODE`: pictures of a bed as PNG, and VTP files for ParaView."""
 
 from __future__ import annotations
 
