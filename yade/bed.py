@@ -112,7 +112,7 @@ class Bed:
         """YADE's ids of the clumps, in the order of `numbers`."""
         return [body.id for body in self._bodies]
 
-    def write(self, path: Path) -> None:
+    def write_bed(self, path: Path) -> None:
         """Write the common bed file."""
         rows = []
         for number, state in zip(self.numbers, self._states, strict=True):

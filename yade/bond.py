@@ -152,7 +152,7 @@ class Bonds:
         """Number of bonds that hold."""
         return sum(holds(interaction) for interaction, _, _ in self._alive)
 
-    def write(self, bed, path) -> None:
+    def write_bonds(self, bed, path) -> None:
         """Write all bonds, those that hold first. Stresses at the end, 0 once broken."""
         self.check()
         number = dict(zip(bed.body_ids(), bed.numbers, strict=True))

@@ -53,13 +53,15 @@ class Wall:
 class LoadControl:
     """Drives the six walls and writes a row of raw/<stage>.csv every steps_per_row steps.
 
-    Step n is the state at which the contact forces of step n act; a row gives forces and positions of that same state.
+    Step n of the stage's clock is the state at which the contact forces of step n act; a row gives forces and positions
+    of that same state.
     """
 
-    def __init__(self, scenario, stage: str, box, path, memory: dict | None = None):
+    def __init__(self, scenario, stage: str, clock, box, path, memory: dict | None = None):
         """`stage` is preload or cyclic; `memory` is what `memory()` returned before the simulation was saved."""
         ids, grid = Apparatus.of(box), derived.time_grid(scenario)
-        self.scenario, self.path, self.dt, self.per_row = scenario, path, grid.step_s, grid.steps_per_row
+        self.scenario, self.clock, self.path = scenario, clock, path
+        self.dt, self.per_row = grid.step_s, grid.steps_per_row
         self.gain_step = derived.pfc_time_step(scenario)
         self.sleeper = Wall(scenario, stage, "sleeper", ids.sleeper, 2, box.sleeper_area_m2, centre(box.sleeper, 2), 1)
         self.plates = [
@@ -67,11 +69,11 @@ class LoadControl:
             for body, block in zip(ids.plates, box.plates, strict=True)
         ]
         self.walls = [self.sleeper, *self.plates]
-        self.n, self.count, self.error, self.rows = 0, 0, 0.0, []
+        self.skipped = 0 if memory else 1  # YADE does not call a new PyRunner in its first step
+        self.count, self.error, self.rows = 0, 0.0, []
         self.recent = deque(maxlen=max(1, math.ceil(scenario["preload.averaging_time"] / (self.dt * self.per_row))))
         self.hold()
         if memory:
-            self.n = memory["n"]
             for wall, contacts in zip(self.walls, memory["contacts"], strict=True):
                 wall.contacts = contacts
         __main__.load_control_step = self.step  # where PyRunner looks names up
@@ -83,7 +85,7 @@ class LoadControl:
 
     def memory(self) -> dict:
         """What the checkpoint must keep beside YADE's state. Row sums are empty at the end of a block."""
-        return {"n": self.n, "contacts": [wall.contacts for wall in self.walls]}
+        return {"contacts": [wall.contacts for wall in self.walls]}
 
     def hold(self) -> None:
         """Keep all walls where they are; targets are 0."""
@@ -93,7 +95,8 @@ class LoadControl:
     def ramp(self) -> None:
         """Raise the loads linearly from 0, from the step that comes next."""
         s = self.scenario
-        first, steps = self.n, s["preload.ramp_time"] / self.dt
+        first, steps = self.clock.step - self.skipped, s["preload.ramp_time"] / self.dt
+        self.ramp_start_s = O.time
         sleeper, plate = s["preload.sleeper_stress"], s["preload.plate_stress"]
 
         def targets(n: int) -> tuple[float, float]:
@@ -117,7 +120,7 @@ class LoadControl:
 
     def step(self) -> None:
         """One step: read the contact forces, move the walls, keep a row now and then."""
-        n, force = self.n, O.forces.f
+        n, force = self.clock.step - self.skipped, O.forces.f
         sleeper_target, plate_target = self.targets(n)
         for wall in self.walls:
             wall.force = f = force(wall.body)[wall.axis]
@@ -134,7 +137,6 @@ class LoadControl:
             else:
                 wall.v = self._pfc(n, wall, target)
             wall.state.vel = (0.0, 0.0, -wall.v) if wall.axis == 2 else (-wall.v, 0.0, 0.0)
-        self.n = n + 1
 
     def _pfc(self, n: int, wall: Wall, target: float) -> float:
         s = self.scenario
@@ -178,9 +180,19 @@ class LoadControl:
         """Means over the last preload.averaging_time of sleeper and plates, Pa."""
         return [sum(column) / len(self.recent) for column in zip(*self.recent, strict=True)]
 
+    def means(self) -> str:
+        """These means as part of a line."""
+        means = ", ".join(f"{mean / 1e3:.2f}" for mean in self.mean_stresses())
+        return f"mean stress on sleeper and plates {means} kPa"
+
     def targets_met(self) -> bool:
-        """True where these means are within preload.stress_tolerance of the full preload; fixed walls are not asked."""
+        """True where, with the whole ramp behind them, these means are within preload.stress_tolerance of the preload.
+
+        Fixed walls are not asked.
+        """
         s = self.scenario
+        if O.time - self.ramp_start_s <= s["preload.ramp_time"] + s["preload.averaging_time"]:
+            return False
         full = [s["preload.sleeper_stress"]] + [s["preload.plate_stress"]] * len(self.plates)
         return len(self.recent) == self.recent.maxlen and all(
             abs(mean - target) <= s["preload.stress_tolerance"] * target

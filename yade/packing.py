@@ -1,81 +1,71 @@
-"""Packing: from the lattice of overlapping clumps to a bed at rest.
+"""Packing: clumps of random orientation on a lattice lose their overlaps without friction, are compacted by a strong
+gravity, and come to rest under their weight with the scenario's friction. Always with the linear law.
 
-    yade -j1 -n -x yade/packing.py RUN_FOLDER        (from the top of the repository)
+    yade/launch.sh -j1 -n -x yade/packing.py RUN_FOLDER        (from the top of the repository)
 
-Reads raw/bed_start.csv, writes raw/bed_packed.csv and raw/contacts_packed.csv.
+Reads raw/bed_start.csv; writes raw/bed_packed.csv, raw/contacts_packed.csv, raw/state.csv.
 """
 
 import math
-import sys
-from pathlib import Path
 
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner
 
 import __main__
-
-ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
-sys.path += [str(ROOT), str(ROOT / "yade")]
-
-import apparatus  # noqa: E402
-import stage  # noqa: E402
-from bed import Bed  # noqa: E402
-from contact import ContactLaw  # noqa: E402
-from state import write_contacts  # noqa: E402
+import apparatus
+import stage
+from bed import Bed
+from contact import ContactLaw
+from state import write_contacts
 
 O = Omega()
 
 
 def pack(run: stage.Stage, _) -> None:
-    """Relax without friction under the lid, compact at high gravity, bring to rest at normal gravity."""
-    s = run.scenario
+    """The stage, from the lattice to the bed at rest."""
+    s, block = run.scenario, run.grid.steps_per_block
     law = ContactLaw(s, run.model, packing=True)
     apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
-    lid = apparatus.close_lid(run.box, "wall", law.wall_mask)
+    lid = apparatus.close_lid(run.box, "wall", law.wall_mask)  # while it is crowded beside the sleeper
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_start.csv"), law.shells)
     newton = NewtonIntegrator(damping=s["packing.local_damping"], gravity=(0, 0, 0), label="newton")
     O.engines = [ForceResetter(), *law.engines(), newton]
     run.start_state_file()
 
-    # The balls of the lattice have become clumps that overlap: soft contacts first, each with its own time step.
+    # 1. overlaps relax: no friction, no gravity, contacts that stiffen; the time step follows the stiffness
     law.set_friction(0.0, 0.0)
     for fraction in s["packing.relax_stiffness"]:
         law.set_stiffness(fraction)
         O.dt = run.grid.step_s / math.sqrt(fraction)
-        left = s["packing.relax_steps"]
-        while left > 0:
-            run.advance_or_stop(min(left, run.grid.steps_per_block))
-            left -= run.grid.steps_per_block
+        run.advance(s["packing.relax_steps"], block)
 
-    # Compaction. What the box cannot hold comes out of the cribs.
+    # 2. compaction without lid; what left the box goes
     O.bodies.erase(lid)
     law.set_friction(s["packing.compaction_friction"], s["packing.compaction_friction"])
     newton.gravity = (0, 0, -s["packing.compaction_gravity"])
     run.advance_to_rest("packing.compaction_")
-    removed = run.bed.remove_outside(run.box)
-    print(f"packing: {removed} clumps left the box and were deleted, {len(run.bed.numbers)} stay", flush=True)
+    run.remove_outside()
 
-    # Gravity falls slowly, so that the bed follows.
+    # 3. gravity comes down to that of the earth, slowly, so that the bed follows
     high, low = s["packing.compaction_gravity"], s["packing.final_gravity"]
     steps = max(1, round(s["packing.gravity_ramp_time"] / O.dt))
-    first = O.iter
+    first = run.clock.step
 
     def lower_gravity() -> None:
-        newton.gravity = (0, 0, -(high + (low - high) * min(1.0, (O.iter - first) / steps)))
+        newton.gravity = (0, 0, -(high + (low - high) * min(1.0, (run.clock.step - first) / steps)))
 
     __main__.lower_gravity = lower_gravity  # where PyRunner looks names up
     O.engines = [*O.engines, PyRunner(command="lower_gravity()", iterPeriod=10)]
-    for _ in range(math.ceil((steps + 10) / run.grid.steps_per_block)):
-        run.advance_or_stop(run.grid.steps_per_block)
+    run.advance(block * math.ceil((steps + 10) / block), block)
     O.engines = O.engines[:-1]
+
+    # 4. final friction, rest, and what left the box goes
     law.set_friction(s["contact.particle_particle.friction"], s["contact.particle_wall.friction"])
     newton.damping = s["rest.local_damping"]
     run.advance_to_rest()
-    removed = run.bed.remove_outside(run.box)
-    print(f"packing: {removed} more clumps deleted, {len(run.bed.numbers)} stay", flush=True)
-
+    run.remove_outside()
     write_contacts(run.bed, run.raw("contacts_packed.csv"))
-    run.bed.write(run.raw("bed_packed.csv"))
+    run.bed.write_bed(run.raw("bed_packed.csv"))
 
 
 stage.main("packing", pack)

@@ -9,6 +9,7 @@ from yade.wrapper import Omega
 
 from analysis.files import write_aside
 from analysis.formats.file_columns import CONTACTS, RAW_STATE, header
+from analysis.formats.growing_csv import append_text
 from bond import is_bond
 
 O = Omega()
@@ -78,16 +79,6 @@ class StateRow:
     sliding_share: float
 
     @classmethod
-    def header(cls) -> str:
-        """First line of the file."""
-        return header(RAW_STATE)
-
-    def line(self, stage: str, step: int, time_s: float) -> str:
-        """This row as a line of the file."""
-        values = [stage, step, repr(time_s), *(repr(getattr(self, name)) for name in RAW_STATE[3:])]
-        return ",".join(map(str, values)) + "\n"
-
-    @classmethod
     def measure(cls, bed, model: str, gravity: float) -> StateRow:
         """State of the bed after the last step; `gravity` in m/s2, downward."""
         contacts = Contacts.now()
@@ -105,6 +96,17 @@ class StateRow:
             at_limit_share=0.0 if model == "linear" else float("nan"),
             sliding_share=float(contacts.sliding.mean()) if len(overlap) else 0.0,
         )
+
+
+def start_state_file(path) -> None:
+    """Begin raw/state.csv with its header."""
+    write_aside(path, header(RAW_STATE))
+
+
+def write_state(path, row: StateRow, stage: str, step: int, time_s: float) -> None:
+    """Append a row to raw/state.csv."""
+    values = [stage, step, repr(time_s), *(repr(getattr(row, name)) for name in RAW_STATE[3:])]
+    append_text(path, ",".join(map(str, values)) + "\n", sync=False)
 
 
 def write_contacts(bed, path) -> None:

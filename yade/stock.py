@@ -1,6 +1,6 @@
 """A stock YADE script of the same test, to measure ours by: written as the manual does it, without anything of ours.
 
-    yade -j1 -n -x yade/stock.py RUN_FOLDER BED STEPS        (from the top of the repository)
+    PYTHONPATH=. yade -j1 -n -x yade/stock.py RUN_FOLDER BED STEPS        (from the top of the repository)
 
 Takes the parameters of RUN_FOLDER/scenario.json and places the clumps of BED, a bed file, e.g. raw/bed_preloaded.csv of
 the same run. Loads the sleeper for STEPS steps of the first cycle and prints steps and processor time; writes nothing.
@@ -38,10 +38,8 @@ from yade.wrapper import (
     PyRunner,
 )
 
-sys.path.append(str(Path(sys.argv[0]).resolve().parent.parent))  # __file__ would be YADE's own program
-
-from analysis.scenarios import derived  # noqa: E402
-from analysis.scenarios.scenario import Scenario  # noqa: E402
+from analysis.scenarios import derived
+from analysis.scenarios.scenario import Scenario
 
 O = Omega()
 WARM_UP = 100  # steps in which contacts form, not measured

@@ -2,7 +2,7 @@
 
 analysis/verification/probes.py makes them and reads what they give.
 
-    yade -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
+    yade/launch.sh -j1 -n -x yade/verify.py PROBES.json OUTPUT_FOLDER        (from the top of the repository)
 
 Contacts come from contact.py and clumps from bed.py, as in a full run. Row n of OUTPUT_FOLDER/<name>.npy holds the
 numbers of contacts and of bonds, and for every sphere centre, velocity (half a step earlier), spin, force and torque of
@@ -21,15 +21,11 @@ from yade.minieigenHP import Vector3
 from yade.wrapper import ForceResetter, NewtonIntegrator, Omega, PyRunner, Wall
 
 import __main__
-
-ROOT = Path(sys.argv[0]).resolve().parent.parent  # __file__ would be YADE's own program
-sys.path += [str(ROOT), str(ROOT / "yade")]
-
-from analysis.formats import bed_file  # noqa: E402
-from analysis.scenarios.scenario import Scenario  # noqa: E402
-from bed import Bed  # noqa: E402
-from bond import Bonds, is_bond  # noqa: E402
-from contact import MEETS_PARTICLES, ContactLaw  # noqa: E402
+from analysis.formats import bed_file
+from analysis.scenarios.scenario import Scenario
+from bed import Bed
+from bond import Bonds, is_bond
+from contact import MEETS_PARTICLES, ContactLaw
 
 O = Omega()
 

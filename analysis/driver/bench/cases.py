@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 from dataclasses import dataclass, field
@@ -109,7 +110,8 @@ class Case:
         return measure(self.argv(), self.folder / "log" / "timed.log", rows, steps, threads)
 
     def _own_timing(self) -> Speed:
-        done = subprocess.run(self.argv(), cwd=ROOT, capture_output=True, text=True)
+        modules = os.environ | {"PYTHONPATH": str(ROOT)}
+        done = subprocess.run(self.argv(), cwd=ROOT, env=modules, capture_output=True, text=True)
         found = STOCK_PRINTS.search(done.stdout)
         if done.returncode or not found:
             raise EngineError(f"{STOCK_SCRIPT}: {(done.stdout + done.stderr).strip().splitlines()[-1]}")
