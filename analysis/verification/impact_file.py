@@ -43,7 +43,8 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario, 
 from analysis.scenarios.schema import KEYS as SCENARIO_KEYS
 from analysis.scenarios.schema import Key
 from analysis.verification import oracle
-from analysis.verification.cases.impacts import STEPS_BEFORE, pair_law, wall_law
+from analysis.verification.cases.impacts import STEPS_BEFORE
+from analysis.verification.engine_laws import PAPER, EngineLaws, wall_law
 from analysis.verification.probes import Ball, Probe, with_values
 
 HELD_MASS = 1e12
@@ -119,14 +120,12 @@ class Impact:
     curve: str = ""
     swept: tuple[tuple[str, float | tuple[float, ...]], ...] = ()
 
-    def law(self, code: str):
-        """Law of the contact in this code, for the oracle."""
+    def law(self, engine: EngineLaws = PAPER):
+        """Law of the contact in this engine, for the oracle; by default the paper's."""
         first = self.balls[0]
         if self.against == "wall":
             return wall_law(self.scenario, first.mass)
-        return pair_law(
-            code, self.scenario, self.effective_mass, laws.effective_radius(*(b.radius for b in self.balls))
-        )
+        return engine.pair(self.scenario, self.effective_mass, laws.effective_radius(*(b.radius for b in self.balls)))
 
     @property
     def effective_mass(self) -> float:
@@ -136,7 +135,7 @@ class Impact:
 
     def probe(self) -> Probe:
         """The case as a probe: 3000 steps in contact, and a few before and after."""
-        step = oracle.head_on(self.law("liggghts"), self.normal_speed).duration_s / 3000
+        step = oracle.head_on(self.law(), self.normal_speed).duration_s / 3000
         first, gap = self.balls[0], STEPS_BEFORE * step * self.normal_speed
         start = np.array([0.0, 0.0, first.radius + gap]) - STEPS_BEFORE * step * np.array(first.velocity) * [1, 1, 0]
         placed = Ball(first.radius, first.mass, tuple(map(float, start)), first.velocity, first.spin)

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from analysis.verification import oracle
+from analysis.verification.engine_laws import ENGINE_LAWS
 from analysis.verification.impact_file import Impact
 from analysis.verification.probes import Probe, Trajectory
 
 UNITS = {"-": "", "m/s": "_m_s", "rad/s": "_rad_s", "kg/m3": "_kg_m3", "N/m": "_N_m"}
-YADE_LAW = "YADE has no hysteretic law: viscous Hertz law with the same restitution"
 
 
 def column_of(key: str, unit: str) -> str:
@@ -24,7 +24,7 @@ def expected(impact: Impact) -> dict[str, float]:
 
     Two spheres meet as one of their effective mass meets a plane, because each has the moment of inertia 0.4 m r^2.
     """
-    balls, law, mass = impact.balls, impact.law("liggghts"), impact.effective_mass
+    balls, law, mass = impact.balls, impact.law(), impact.effective_mass
     names = ("restitution", "tangential_restitution", "rebound_angle_degrees", "impulse_ratio", "velocity_1_x_m_s")
     spins = [f"spin_{k}_y_rad_s" for k in range(1, len(balls) + 1)]
     head_on = oracle.head_on(law, impact.normal_speed)
@@ -78,11 +78,11 @@ def measured(impact: Impact, probe: Probe, code: str, found: Trajectory) -> tupl
             unit = "m_s" if what == "velocity" else "rad_s"
             row |= {f"{what}_{k + 1}_{axis}_{unit}": values[-1, k, n] for n, axis in enumerate("xyz")}
     row |= {f"expected_{name}": value for name, value in expected(impact).items()}
-    law = impact.law(code)
+    law = impact.law(ENGINE_LAWS[code])
     row["expected_peak_overlap_m"] = oracle.head_on(law, impact.normal_speed).peak_overlap_m
     remarks = [] if separated else ["no separation within the time that was run"]
     if isinstance(law, oracle.ViscousHertz):
-        remarks.insert(0, YADE_LAW)
+        remarks.insert(0, ENGINE_LAWS[code].hysteretic_remark)
     return row | {"remark": "; ".join(remarks)}, np.array(
         [found.time, overlap, normal_force, np.linalg.norm(shear, axis=1)]
     )

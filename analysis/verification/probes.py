@@ -126,13 +126,12 @@ def run_probes(
     Returns trajectories by name, and for probes that did not finish one line each.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    if code == "yade":
+    runner, together = RUNNERS[code]
+    if together:
         shares = [probes[k::workers] for k in range(workers)]
         jobs = [(share, folder / f"part_{k}") for k, share in enumerate(shares) if share]
-        runner = _run_yade
     else:
         jobs = [([probe], folder / probe.name) for probe in probes]
-        runner = _run_liggghts
     found, failures = {}, {}
     with ThreadPoolExecutor(workers) as pool:
         for done, failed in pool.map(lambda job: runner(*job), jobs):
@@ -153,7 +152,8 @@ def _run_yade(probes: list[Probe], folder: Path):
     message = "yade: no result"
     try:
         call_engine(
-            ["yade", "-j1", "-n", "-x", "yade/verify.py", str(listing.resolve()), str(folder.resolve())], folder
+            ["yade/launch.sh", "-j1", "-n", "-x", "yade/verify.py", str(listing.resolve()), str(folder.resolve())],
+            folder,
         )
     except EngineFailure as error:
         message = str(error)
@@ -198,6 +198,10 @@ def _run_liggghts(probes: list[Probe], folder: Path):
     values = rows[:, 3:].reshape(len(rows), spheres, 5, 3)
     time = np.arange(len(rows)) * probe.every * probe.step
     return {probe.name: Trajectory(time, *(values[:, :, k] for k in range(5)), *rows[:, :3].T)}, {}
+
+
+RUNNERS = {"yade": (_run_yade, True), "liggghts": (_run_liggghts, False)}
+"""How probes are run in each engine, and whether many of them in one process."""
 
 
 def _list(values) -> str:

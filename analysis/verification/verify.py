@@ -17,24 +17,15 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.driver import engines
 from analysis.driver.engine import EngineError
-from analysis.verification.cases import blocks as verify_blocks
-from analysis.verification.cases import bonds as verify_bonds
-from analysis.verification.cases import clumps as verify_clumps
-from analysis.verification.cases import impacts as verify_impacts
-from analysis.verification.cases import load as verify_load
-from analysis.verification.cases import paths as verify_paths
-from analysis.verification.cases import porosity as verify_porosity
+from analysis.verification.cases import blocks, bonds, clumps, impacts, load, paths, porosity
+from analysis.verification.cases.base import Case, OwnCase, ProbedCase, StagedCase
 from analysis.verification.probes import EngineFailure, run_probes
 from analysis.verification.results import Results, write_rows
 
-PROBED = (
-    *verify_impacts.CASES,
-    *verify_paths.CASES,
-    *verify_blocks.CASES,
-    *verify_clumps.CASES,
-    *verify_bonds.CASES,
-)
-STAGED = verify_load.CASES
+PROBED: tuple[type[ProbedCase], ...] = (*impacts.CASES, *paths.CASES, *blocks.CASES, *clumps.CASES, *bonds.CASES)
+STAGED: tuple[type[StagedCase], ...] = load.CASES
+OWN: tuple[type[OwnCase], ...] = porosity.CASES
+CASES: tuple[type[Case], ...] = (*PROBED, *STAGED, *OWN)
 
 
 def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> list[Results]:
@@ -49,7 +40,7 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
     with ThreadPoolExecutor(max(1, len(codes))) as pool:
         all_results = list(pool.map(lambda code: _verify_code(code, folder / code, chosen, workers), codes))
     own = Results("analysis")
-    for case in verify_porosity.CASES:
+    for case in OWN:
         if not chosen or case.name in chosen:
             case().judge(own)
     return [*all_results, own]
@@ -57,7 +48,7 @@ def verify(codes: list[str], folder: Path, chosen: list[str] | None = None) -> l
 
 def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int) -> Results:
     results = Results(code)
-    wanted = [case for case in (make(code) for make in PROBED) if not chosen or case.name in chosen]
+    wanted = [case(code) for case in PROBED if not chosen or case.name in chosen]
     found, failures = run_probes(
         code, [probe for case in wanted for probe in case.probes()], folder / "probes", workers
     )
@@ -80,17 +71,13 @@ def _verify_code(code: str, folder: Path, chosen: list[str] | None, workers: int
     return results
 
 
-def case_names() -> list[str]:
-    """Names of all cases, in order."""
-    made = [make("liggghts") for make in (*PROBED, *STAGED)]
-    return [case.name for case in (*made, *verify_porosity.CASES)]
-
-
 def main(argv: list[str]) -> int:
     """Command line."""
     parser = Parser(prog="ballast verify", description=__doc__.split("\n")[0])
     parser.add_argument("--code", choices=engines.CODES, action="append", help="only this code (may be given twice)")
-    parser.add_argument("--case", choices=case_names(), action="append", help="only this case (may be given again)")
+    parser.add_argument(
+        "--case", choices=[case.name for case in CASES], action="append", help="only this case (may be given again)"
+    )
     parser.add_argument("--out", type=Path, default=Path("report"), help="folder of verification.csv")
     parser.add_argument("--keep", type=Path, help="keep the engines' input, output and logs in this folder")
     parser.add_argument("--host", type=Path, help="another LIGGGHTS executable, e.g. liggghts/build/ballast-sanitize")

@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
+from analysis.verification.cases.base import ProbedCase
 from analysis.verification.probes import BLOCK_M, Ball, Probe, Trajectory, with_values
 from analysis.verification.results import Results
 
@@ -24,7 +25,7 @@ def nearest(place: np.ndarray) -> np.ndarray:
     return np.clip(place, -HALF, HALF)
 
 
-class Blocks:
+class Blocks(ProbedCase):
     """Case: one contact per sphere and block, at the nearest point of it, on a face, an edge or a corner.
 
     Expected at rest: stiffness x overlap along the line to the nearest point. Around an edge, without slip: a shear
@@ -34,7 +35,7 @@ class Blocks:
     name, title = "block", "A sphere at faces, edges and corners of a block"
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         base = load_scenario("linear-mu0.8")
         self.radius, self.mass = derived.clump(base).radius_m, derived.clump(base).mass_kg
         self.normal_stiffness = base["contact.particle_wall.normal_stiffness"]

@@ -9,6 +9,7 @@ import numpy as np
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import bond_oracle, oracle
+from analysis.verification.cases.base import ProbedCase
 from analysis.verification.cases.clumps import Motion
 from analysis.verification.probes import Ball, ClumpAt, Probe, Trajectory, with_values
 from analysis.verification.results import Results
@@ -16,8 +17,6 @@ from analysis.verification.results import Results
 HELD_MASS = 1e12
 OVERLAP = 1e-12
 """Spheres must touch to be bonded, m: too little to be felt (0.1 mN)."""
-YADE_CHECKS = 50
-"""Steps between YADE's looks for bonds broken by force and moment together (yade/bond.py)."""
 
 
 def bonded(name: str, **values) -> Scenario:
@@ -40,7 +39,7 @@ def contact_law(scenario: Scenario) -> oracle.Linear:
     return oracle.Linear(*stiffness, scenario["contact.particle_particle.friction"])
 
 
-class Paths:
+class Paths(ProbedCase):
     """Two bonded spheres, one held, one moved: force and torque at every point, and the load at which the bond breaks.
 
     The last path ends with the broken pair pressed and slid: nothing but the linear contact is left.
@@ -50,7 +49,7 @@ class Paths:
     STEPS, STEP = 10_000, 1e-6
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         self.radius = derived.clump(load_scenario("linear-mu0.8")).radius_m
         limit = 3e6 / 4e9  # displacement at which a pulled or sheared bond breaks, m
         n, t = self.STEPS, self.STEPS * self.STEP
@@ -174,8 +173,10 @@ class Paths:
             results.compare(self.name, f"bonds at the end of {name}", 1, found.bonds[-1], 0.0, "strong enough")
             return
         results.compare(self.name, f"bonds at the end of {name}", 0, found.bonds[-1], 0.0, "broken stays broken")
-        late = YADE_CHECKS if self.code == "yade" and name not in ("pulled", "sheared") else 2
-        note = f"the strength is reached in step {first}; {late} steps" + " between YADE's looks" * (late > 2)
+        checks = 0 if name in ("pulled", "sheared") else self.engine.steps_between_bond_checks
+        late = checks or 2
+        looks = f" between {self.engine.called}'s looks" if checks else ""
+        note = f"the strength is reached in step {first}; {late} steps{looks}"
         results.compare(self.name, f"step in which it breaks, {name}", first, broke, late / first, note)
         self._judge_load(name, expected, force, torque, broke, late, results)
         pick = np.arange(0, steps, 25)
@@ -213,7 +214,7 @@ class Paths:
             results.compare(self.name, f"load at which it breaks, {name}", strength, measured, tolerance, note)
 
 
-class Cantilever:
+class Cantilever(ProbedCase):
     """Ten bonded spheres in a row, the first held, under a weight that acts of a sudden: the tip swings about its rest.
 
     Expected: the same row as a linear system with deflection and rotation of each sphere, all modes; and beam theory.
@@ -224,6 +225,7 @@ class Cantilever:
     STEP, STEPS, EVERY = 4e-6, 60_000, 60
 
     def __init__(self, code: str):
+        super().__init__(code)
         self.scenario = bonded("cantilever", contact__bond__normal_strength=1e9, contact__bond__shear_strength=1e9)
         self.radius = derived.clump(self.scenario).radius_m
         self.length = 2 * self.radius - OVERLAP
@@ -296,7 +298,7 @@ class Cantilever:
         )
 
 
-class Energy:
+class Energy(ProbedCase):
     """A free bonded pair that stretches, shears, bends and twists: energy, momentum and angular momentum are kept.
 
     The bond's energy is the oracle's, along the motion that the engine found.
@@ -306,7 +308,7 @@ class Energy:
     MASS, STEP, STEPS = 0.04, 1e-6, 20_000
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         self.scenario = bonded(
             "energy",
             contact__particle_particle__friction=0.0,
@@ -342,7 +344,7 @@ class Energy:
         # level with the forces: the mean of the two half steps around
         velocity = (moving[1:] + moving[:-1]) / 2
         spin = rows.spin[1:-1]
-        if self.code == "yade":  # its spins are half a step old
+        if self.engine.velocity_age:  # half a step
             spin = (rows.spin[2:] + rows.spin[1:-1]) / 2
         kinetic = 0.5 * self.MASS * (velocity**2).sum(axis=(1, 2)) + 0.5 * self.inertia * (spin**2).sum(axis=(1, 2))
         total = kinetic + loads.bond_energy[:-1] + loads.contact_energy[:-1]
@@ -394,7 +396,7 @@ class Energy:
         )
 
 
-class Clumps:
+class Clumps(ProbedCase):
     """Two clumps that touch at one pair of spheres, one of them on the wall: one bond, none inside them or at the wall.
 
     They part with the bond between them, across a gap: it pulls on both clumps, momentum and angular momentum are kept.
@@ -404,6 +406,7 @@ class Clumps:
     SPEED, STEP, STEPS = 0.5, 1e-6, 1500
 
     def __init__(self, code: str):
+        super().__init__(code)
         self.scenario = bonded("clumps", contact__bond__normal_strength=1e9, contact__bond__shear_strength=1e9)
         self.clump = derived.clump(self.scenario)
         reach = self.clump.radius_m + self.clump.half_distance_m
@@ -444,7 +447,7 @@ class Clumps:
             self.name, "pull_N across the gap", law.normal_stiffness * law.area * stretch, pull, 0.002, "k_n A x gap"
         )
         mass = self.clump.mass_kg
-        # velocities of YADE are half a step old; both ends are taken alike
+        # velocities may be half a step old; both ends are taken alike
         linear = mass * motion.velocity.sum(axis=1)
         about = (mass * np.cross(motion.centre, motion.velocity) + motion.angular_momentum()).sum(axis=1)
         for what, values in (("momentum_kgm_s", linear), ("angular_momentum_kgm2_s", about)):

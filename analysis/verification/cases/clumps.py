@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from analysis import laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
-from analysis.verification.cases.impacts import OWN_SLIP_LIMIT, own_slip_limit, pair_law, wall_law
+from analysis.verification.cases.base import ProbedCase
+from analysis.verification.cases.impacts import own_slip_limit
+from analysis.verification.engine_laws import PAPER, wall_law
 from analysis.verification.probes import ClumpAt, Probe, Trajectory, with_values
 from analysis.verification.results import Results
 
@@ -20,8 +23,8 @@ X, Y = 0.2, 0.2
 
 def about_y(degrees: float) -> tuple[float, float, float, float]:
     """Quaternion of a turn about y: the clump's axis leans from z to x."""
-    half = math.radians(degrees) / 2
-    return (math.cos(half), 0.0, math.sin(half), 0.0)
+    x, y, z, w = Rotation.from_euler("y", degrees, degrees=True).as_quat()
+    return (w, x, y, z)
 
 
 class Motion:
@@ -47,7 +50,7 @@ class Motion:
         return moving + 0.5 * np.einsum("rci,rci->rc", self.spin, self.angular_momentum())
 
 
-class FreeRotation:
+class FreeRotation(ProbedCase):
     """Case 6a: a clump that spins freely about no principal axis keeps its energy and its angular momentum, and its
     axis goes round the momentum at |L| / I_transverse. No contact ever acts between its own spheres."""
 
@@ -56,7 +59,8 @@ class FreeRotation:
 
     def __init__(self, code: str):
         # The paper's step: what YADE's rotation gains grows with the step, and the tolerance was set for this one.
-        self.code, self.scenario = code, load_scenario("linear-mu0.8", variant="paper-step")
+        super().__init__(code)
+        self.scenario = load_scenario("linear-mu0.8", variant="paper-step")
         self.clump = derived.clump(self.scenario)
         step = derived.time_grid(self.scenario).step_s
         self._probe = Probe(
@@ -83,18 +87,14 @@ class FreeRotation:
         )
         energy = 0.5 * momentum @ np.array(self.SPIN) + 0.5 * self.clump.mass_kg * (0.1**2 + 0.05**2 + 0.02**2)
         reason = "closed form, 1e5 steps of the scenario"
-        if self.code == "yade":
-            results.compare(
-                self.name,
-                "kinetic_energy_J",
-                energy,
-                motion.kinetic_energy()[-1, 0],
-                0.005,
-                reason + "; YADE's "
-                "rotation gains energy in proportion to step, time and spin, and keeps the angular momentum",
-            )
-        else:
-            results.compare(self.name, "kinetic_energy_J", energy, motion.kinetic_energy()[-1, 0], 0.001, reason)
+        results.compare(
+            self.name,
+            "kinetic_energy_J",
+            energy,
+            motion.kinetic_energy()[-1, 0],
+            self.engine.rotation_tolerance,
+            reason + self.engine.rotation_note,
+        )
         size = np.linalg.norm(momentum)
         for k, axis in enumerate("xyz"):
             results.compare(
@@ -147,13 +147,10 @@ class FreeRotation:
 def precession(axis: np.ndarray, momentum: np.ndarray, transverse: float, times: np.ndarray) -> np.ndarray:
     """Axis of a free symmetric body over time: it turns about the constant angular momentum at |L| / I_transverse."""
     size = np.linalg.norm(momentum)
-    about = momentum / size
-    along = (axis @ about) * about
-    angles = size / transverse * times
-    return along + np.outer(np.cos(angles), axis - along) + np.outer(np.sin(angles), np.cross(about, axis))
+    return Rotation.from_rotvec(np.outer(size / transverse * times, momentum / size)).apply(axis)
 
 
-class Bounces:
+class Bounces(ProbedCase):
     """Case 6b: a clump falls obliquely on the wall, with friction, against an integration of the rigid body.
 
     One falls upright, so that the dashpot's mass shows: it is the whole clump's.
@@ -170,7 +167,7 @@ class Bounces:
     }
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         self.clump = derived.clump(linear)
         self._entries = [
@@ -209,11 +206,11 @@ class Bounces:
             times, states, _ = oracle.bounce(body, [law, law], start, rows.time[-1], len(rows.time))
             speed = math.hypot(start[3], start[4])
             reason = "rigid body integrated by scipy; error in relation to the incoming speed"
-            if self.code == "yade" and law.damping_ratio:
+            if self.engine.wall_slip_limit and law.damping_ratio:
                 paper, states = states[-1][3:], own_slip_limit(body, [law, law], start, probe)
                 reason = (
                     "{}: its own value, {:+.2g}, {:+.2g} m/s and {:+.2g} rad/s from the paper's law".format(
-                        OWN_SLIP_LIMIT, *(states[-1][3:] - paper)
+                        self.engine.wall_slip_limit, *(states[-1][3:] - paper)
                     )
                     + "; error in relation to the incoming speed"
                 )
@@ -246,13 +243,14 @@ class Bounces:
             )
 
 
-class Pairs:
+class Pairs(ProbedCase):
     """Case 6c: two clumps meet head-on, end to end: inertia and dashpot have the mass of whole clumps."""
 
     name, title = "clump-pair", "Two clumps meet end to end"
     SPEED = 1.0
 
     def __init__(self, code: str):
+        super().__init__(code)
         linear, damped = load_scenario("linear-mu0.8"), load_scenario("nonlinear-md1-en0.6")
         self.clump = derived.clump(linear)
         mass, radius = self.clump.mass_kg / 2, self.clump.radius_m
@@ -261,7 +259,7 @@ class Pairs:
             ("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
             ("hysteretic", damped),
         ):
-            law = pair_law(code, scenario, mass, laws.effective_radius(radius, radius))
+            law = self.engine.pair(scenario, mass, laws.effective_radius(radius, radius))
             step = oracle.head_on(law, self.SPEED).duration_s / 2000
             reach = radius + self.clump.half_distance_m + 10.2 * step * self.SPEED
             clumps = tuple(
@@ -288,7 +286,7 @@ class Pairs:
             results.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
 
 
-class Column:
+class Column(ProbedCase):
     """Case 8: a column of clumps falls on the floor under gravity.
 
     Without friction and damping its energy stays within 0.5 % over 1e5 steps. With friction the balance closes: energy
@@ -298,7 +296,7 @@ class Column:
     name, title = "energy", "Energy of a column of clumps"
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         smooth = {
             "contact__particle_particle__friction": 0.0,
@@ -371,17 +369,17 @@ class Column:
     def _energies(self, probe: Probe, found: Trajectory):
         """Kinetic, potential and elastic energy (J) of all clumps over time, from positions and velocities alone."""
         motion = Motion(self.clump, found)
-        if self.code == "yade":
-            # half a step back: bring the velocity level with the position
-            gravity = np.array([0.0, 0.0, -probe.gravity])
-            motion.velocity = motion.velocity + (motion.force / self.clump.mass_kg + gravity) * probe.step / 2
+        # bring the velocity level with the position
+        gravity = np.array([0.0, 0.0, -probe.gravity])
+        late = self.engine.velocity_age * probe.step
+        motion.velocity = motion.velocity + (motion.force / self.clump.mass_kg + gravity) * late
         kinetic = motion.kinetic_energy().sum(axis=1)
         potential = self.clump.mass_kg * probe.gravity * motion.centre[:, :, 2].sum(axis=1)
         r, mass = self.clump.radius_m, self.clump.mass_kg
         elastic = np.zeros(len(found.time))
         floor = np.maximum(r - found.position[:, :, 2], 0.0)
         elastic += 0.5 * probe.scenario["contact.particle_wall.normal_stiffness"] * (floor**2).sum(axis=1)
-        pair = pair_law("liggghts", probe.scenario, mass / 2, laws.effective_radius(r, r))
+        pair = PAPER.pair(probe.scenario, mass / 2, laws.effective_radius(r, r))
         for i in range(found.position.shape[1]):
             for j in range(i + 1, found.position.shape[1]):
                 if i // 2 == j // 2:

@@ -3,65 +3,23 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis import laws
 from analysis.scenarios import derived
-from analysis.scenarios.conversions import viscous_restitution
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
+from analysis.verification.cases.base import ProbedCase
+from analysis.verification.engine_laws import PAPER, wall_law
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
 from analysis.verification.results import Results
 
 STEPS_BEFORE = 20.4
 """Free flight before the contact, in steps: it closes within a step, as contacts do."""
 MEASURES = ("peak_overlap_m", "peak_force_N", "duration_s", "restitution")
-OWN_SLIP_LIMIT = "YADE counts the dashpot's force in the slip limit"
-YADE_HYSTERETIC = (
-    "YADE has no hysteretic law: viscous Hertz law; restitution as in the paper's law, peaks and duration by its own"
-)
-
-
-# ------------------------------------------------------------------ what to expect of a scenario's contact
-
-
-def pair_law(code: str, scenario: Scenario, mass: float, radius: float):
-    """Law between two spheres: `mass` by eq. 7, `radius` by eq. 9; for YADE the law that stands in for e_n < 1."""
-    get = {
-        key: scenario[f"contact.particle_particle.{key}"]
-        for key in (
-            "normal_stiffness",
-            "shear_stiffness",
-            "damping_ratio",
-            "friction",
-            "shear_modulus",
-            "poisson_ratio",
-            "restitution",
-            "damping_mode",
-        )
-    }
-    if scenario["contact.model"] == "linear":
-        return oracle.Linear(
-            get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"], mass
-        )
-    factor = laws.damping_factor(get["damping_mode"], get["restitution"])
-    elastic = (get["shear_modulus"], get["poisson_ratio"], radius, get["friction"])
-    if code == "yade" and factor:
-        return oracle.ViscousHertz(*elastic, mass=mass, restitution=viscous_restitution(scenario))
-    return oracle.Hysteretic(*elastic, factor=factor, mass=mass)
-
-
-def wall_law(scenario: Scenario, mass: float) -> oracle.Linear:
-    """Law between a sphere or clump of this mass and the study's walls."""
-    return oracle.Linear(
-        *(
-            scenario[f"contact.particle_wall.{key}"]
-            for key in ("normal_stiffness", "shear_stiffness", "friction", "damping_ratio")
-        ),
-        mass,
-    )
 
 
 # ------------------------------------------------------------------ a head-on impact
@@ -130,11 +88,17 @@ def measure(probe: Probe, found: Trajectory) -> tuple[dict[str, float], np.ndarr
     )
 
 
-class Impacts:
+class Impacts(ProbedCase):
     """A group of head-on impacts, each with its law, tolerance and remarks."""
 
-    def __init__(self, name: str, title: str):
-        self.name, self.title, self._entries = name, title, []
+    def __init__(self, code: str):
+        super().__init__(code)
+        self._entries = []
+        self.make()
+
+    @abstractmethod
+    def make(self) -> None:
+        """Add the impacts."""
 
     def add(
         self,
@@ -177,49 +141,56 @@ class Impacts:
 # ------------------------------------------------------------------ cases
 
 
-def head_on_impacts(code: str) -> Impacts:
+class HeadOn(Impacts):
     """Case 1: two spheres of the clump's radius and mass, linear and hysteretic, at two speeds."""
-    cases = Impacts("head-on", "Head-on impact of two spheres")
-    linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-    clump = derived.clump(linear)
-    mass, radius = (
-        laws.effective_mass(clump.mass_kg, clump.mass_kg),
-        laws.effective_radius(clump.radius_m, clump.radius_m),
-    )
-    for speed in (0.1, 1.0):
-        law = pair_law(code, linear, mass, radius)
-        probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
-        cases.add(probe, law, speed, expected=laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
-        for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
-            scenario = with_values(
-                nonlinear,
-                "head-on",
-                contact__particle_particle__damping_mode=mode,
-                contact__particle_particle__restitution=nominal,
-            )
-            law = pair_law(code, scenario, mass, radius)
-            factor = laws.damping_factor(mode, nominal)
-            name = f"md{mode}-en{nominal:g}-{speed:g}"
-            closed = _hysteretic_closed_form(mass, law, factor, speed)
-            paper, reason = dict(closed), ""
-            if isinstance(law, oracle.ViscousHertz):
-                closed = {"restitution": laws.hysteretic_restitution(factor)}  # of the paper's law, not of YADE's
-                yade = oracle.head_on(law, speed)
-                reason = YADE_HYSTERETIC + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
-                    paper["peak_overlap_m"] / yade.peak_overlap_m - 1,
-                    oracle.head_on(pair_law("liggghts", scenario, mass, radius), speed).peak_force_N / yade.peak_force_N
-                    - 1,
+
+    name, title = "head-on", "Head-on impact of two spheres"
+
+    def make(self) -> None:
+        linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
+        clump = derived.clump(linear)
+        mass, radius = (
+            laws.effective_mass(clump.mass_kg, clump.mass_kg),
+            laws.effective_radius(clump.radius_m, clump.radius_m),
+        )
+        for speed in (0.1, 1.0):
+            law = self.engine.pair(linear, mass, radius)
+            probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
+            self.add(probe, law, speed, expected=laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
+            for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
+                scenario = with_values(
+                    nonlinear,
+                    "head-on",
+                    contact__particle_particle__damping_mode=mode,
+                    contact__particle_particle__restitution=nominal,
                 )
-            elif factor > laws.LIMIT_FREE_FACTOR:
-                closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
-            cases.add(
-                against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
-                law,
-                speed,
-                reason=reason,
-                expected=closed,
-            )
-    return cases
+                law = self.engine.pair(scenario, mass, radius)
+                factor = laws.damping_factor(mode, nominal)
+                name = f"md{mode}-en{nominal:g}-{speed:g}"
+                closed = _hysteretic_closed_form(mass, law, factor, speed)
+                paper, reason = dict(closed), ""
+                if isinstance(law, oracle.ViscousHertz):
+                    closed = {
+                        "restitution": laws.hysteretic_restitution(factor)
+                    }  # of the paper's law, not of what stands in
+                    own = oracle.head_on(law, speed)
+                    reason = (
+                        self.engine.hysteretic_note
+                        + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
+                            paper["peak_overlap_m"] / own.peak_overlap_m - 1,
+                            oracle.head_on(PAPER.pair(scenario, mass, radius), speed).peak_force_N / own.peak_force_N
+                            - 1,
+                        )
+                    )
+                elif factor > laws.LIMIT_FREE_FACTOR:
+                    closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
+                self.add(
+                    against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
+                    law,
+                    speed,
+                    reason=reason,
+                    expected=closed,
+                )
 
 
 def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> dict[str, float]:
@@ -232,20 +203,22 @@ def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> di
     }
 
 
-def wall_dashpot(code: str) -> Impacts:
+class WallDashpot(Impacts):
     """Case 5: restitution of the wall's dashpot, 0.8279 at a damping ratio of 0.06."""
-    cases = Impacts("wall-dashpot", "Impact on the wall with damping ratio 0.06")
-    scenario = load_scenario("nonlinear-en1.0")
-    clump = derived.clump(scenario)
-    law = wall_law(scenario, clump.mass_kg)
-    for speed in (0.1, 1.0):
-        cases.add(
-            against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
-            law,
-            speed,
-            expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed),
-        )
-    return cases
+
+    name, title = "wall-dashpot", "Impact on the wall with damping ratio 0.06"
+
+    def make(self) -> None:
+        scenario = load_scenario("nonlinear-en1.0")
+        clump = derived.clump(scenario)
+        law = wall_law(scenario, clump.mass_kg)
+        for speed in (0.1, 1.0):
+            self.add(
+                against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
+                law,
+                speed,
+                expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed),
+            )
 
 
 # Chung and Ooi 2011, Granular Matter 13, 643: Young's modulus (Pa), Poisson's ratio, density (kg/m3)
@@ -270,71 +243,78 @@ def _material(
     )
 
 
-def chung_ooi(code: str) -> Impacts:
-    """Case 4: tests 1 to 3. The rigid plane of 2 and 3 is a wall with the particles' law in LIGGGHTS, a held sphere
-    10^4 times as large in YADE, because the study's own walls are linear; the dashpot of 3 is also tried on those."""
-    cases = Impacts("chung-ooi", "Chung and Ooi (2011), tests 1, 2 and 3")
-    for name, (young, poisson, density), published in (
-        ("glass", GLASS, "274.1 um, 10.70 kN, 40.3 us"),
-        ("limestone", LIMESTONE, "368.3 um, 7.11 kN, 54.2 us"),
-    ):
-        mass = density * 4 / 3 * math.pi * 0.01**3
-        scenario = _material(name, young, poisson, False)
-        law = pair_law(code, scenario, mass / 2, laws.effective_radius(0.01, 0.01))
-        cases.add(
-            against_ball(f"test1-{name}", scenario, law, 0.01, mass, 20.0),
-            law,
-            20.0,
-            reason=f"published: {published}",
-            expected=_hysteretic_closed_form(mass / 2, law, 0.0, 20.0),
-        )
-    for name, (young, poisson, density), published in (
-        ("aluminium", ALUMINIUM, "49.72 um, 11.37 kN, 731.7 us"),
-        ("magnesium", MAGNESIUM, "52.12 um, 7.23 kN, 767.1 us"),
-    ):
-        mass = density * 4 / 3 * math.pi * 0.1**3
-        scenario = _material(name, young, poisson, True)
-        law = pair_law(code, scenario, mass, laws.effective_radius(0.1))
-        probe, place = _on_plane(code, f"test2-{name}", scenario, law, 0.1, mass, 0.2)
-        cases.add(
-            probe,
-            law,
-            0.2,
-            reason=f"published: {published}; {place}",
-            expected=_hysteretic_closed_form(mass, law, 0.0, 0.2),
-        )
-    for name, (young, poisson, density) in (("oxide", ALUMINIUM_OXIDE), ("iron", CAST_IRON)):
-        mass = density * 4 / 3 * math.pi * 0.0025**3
-        for out in (0.2, 0.4, 0.6, 0.8, 1.0):
-            scenario = _material(name, young, poisson, True, 2, laws.nominal_restitution(2, out))
-            law = pair_law(code, scenario, mass, laws.effective_radius(0.0025))
-            probe, place = _on_plane(code, f"test3-{name}-{out:g}", scenario, law, 0.0025, mass, 3.9)
-            reason = f"M_d = 2 with the e_n that gives this restitution; {place}"
-            if laws.damping_factor(2, laws.nominal_restitution(2, out)) > laws.LIMIT_FREE_FACTOR and code == "liggghts":
-                reason += "; the dashpot meets its limit, which adds 0.3 %"
-            cases.add(probe, law, 3.9, 0.005, reason, {"restitution": out}, ("restitution",))
-            scenario = with_values(
-                load_scenario("nonlinear-en1.0"), name, contact__particle_wall__damping_ratio=laws.damping_ratio_of(out)
-            )
-            law = wall_law(scenario, mass)
-            cases.add(
-                against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"),
+class ChungOoi(Impacts):
+    """Case 4: tests 1 to 3. The rigid plane of 2 and 3 is a wall with the particles' law where the engine has one, else
+    a held sphere 10^4 times as large: the study's own walls are linear. The dashpot of 3 is also tried on those.
+    """
+
+    name, title = "chung-ooi", "Chung and Ooi (2011), tests 1, 2 and 3"
+
+    def make(self) -> None:
+        for name, (young, poisson, density), published in (
+            ("glass", GLASS, "274.1 um, 10.70 kN, 40.3 us"),
+            ("limestone", LIMESTONE, "368.3 um, 7.11 kN, 54.2 us"),
+        ):
+            mass = density * 4 / 3 * math.pi * 0.01**3
+            scenario = _material(name, young, poisson, False)
+            law = self.engine.pair(scenario, mass / 2, laws.effective_radius(0.01, 0.01))
+            self.add(
+                against_ball(f"test1-{name}", scenario, law, 0.01, mass, 20.0),
                 law,
-                3.9,
-                expected={"restitution": out},
-                only=("restitution",),
-                reason="the study's wall: linear with dashpot",
+                20.0,
+                reason=f"published: {published}",
+                expected=_hysteretic_closed_form(mass / 2, law, 0.0, 20.0),
             )
-    return cases
+        for name, (young, poisson, density), published in (
+            ("aluminium", ALUMINIUM, "49.72 um, 11.37 kN, 731.7 us"),
+            ("magnesium", MAGNESIUM, "52.12 um, 7.23 kN, 767.1 us"),
+        ):
+            mass = density * 4 / 3 * math.pi * 0.1**3
+            scenario = _material(name, young, poisson, True)
+            law = self.engine.pair(scenario, mass, laws.effective_radius(0.1))
+            probe, place = self._on_plane(f"test2-{name}", scenario, law, 0.1, mass, 0.2)
+            self.add(
+                probe,
+                law,
+                0.2,
+                reason=f"published: {published}; {place}",
+                expected=_hysteretic_closed_form(mass, law, 0.0, 0.2),
+            )
+        for name, (young, poisson, density) in (("oxide", ALUMINIUM_OXIDE), ("iron", CAST_IRON)):
+            mass = density * 4 / 3 * math.pi * 0.0025**3
+            for out in (0.2, 0.4, 0.6, 0.8, 1.0):
+                scenario = _material(name, young, poisson, True, 2, laws.nominal_restitution(2, out))
+                law = self.engine.pair(scenario, mass, laws.effective_radius(0.0025))
+                probe, place = self._on_plane(f"test3-{name}-{out:g}", scenario, law, 0.0025, mass, 3.9)
+                reason = f"M_d = 2 with the e_n that gives this restitution; {place}"
+                if (
+                    laws.damping_factor(2, laws.nominal_restitution(2, out)) > laws.LIMIT_FREE_FACTOR
+                    and self.engine.has_dashpot_limit
+                ):
+                    reason += "; the dashpot meets its limit, which adds 0.3 %"
+                self.add(probe, law, 3.9, 0.005, reason, {"restitution": out}, ("restitution",))
+                scenario = with_values(
+                    load_scenario("nonlinear-en1.0"),
+                    name,
+                    contact__particle_wall__damping_ratio=laws.damping_ratio_of(out),
+                )
+                law = wall_law(scenario, mass)
+                self.add(
+                    against_wall(f"test3-{name}-dashpot-{out:g}", scenario, law, 0.0025, mass, 3.9, "linear"),
+                    law,
+                    3.9,
+                    expected={"restitution": out},
+                    only=("restitution",),
+                    reason="the study's wall: linear with dashpot",
+                )
+
+    def _on_plane(self, name: str, scenario: Scenario, law, radius: float, mass: float, speed: float):
+        if self.engine.rigid_plane_is_wall:
+            return against_wall(name, scenario, law, radius, mass, speed, "hysteretic"), "wall with the particles' law"
+        return against_ball(name, scenario, law, radius, mass, speed, 1e4), "held sphere of 10^4 radii as the plane"
 
 
-def _on_plane(code: str, name: str, scenario: Scenario, law, radius: float, mass: float, speed: float):
-    if code == "liggghts":
-        return against_wall(name, scenario, law, radius, mass, speed, "hysteretic"), "wall with the particles' law"
-    return against_ball(name, scenario, law, radius, mass, speed, 1e4), "held sphere of 10^4 radii as the plane"
-
-
-class Oblique:
+class Oblique(ProbedCase):
     """Case 3: a sphere meets the fixed wall at 5 to 85 degrees from the normal, 1 m/s."""
 
     name, title = "oblique", "Oblique impact on the wall"
@@ -342,7 +322,8 @@ class Oblique:
 
     def __init__(self, code: str):
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-        self.code, self.clump = code, derived.clump(linear)
+        super().__init__(code)
+        self.clump = derived.clump(linear)
         slippery = with_values(nonlinear, "slippery", contact__particle_wall__friction=0.3)
         self._entries = [
             (label, scenario, angle, self._probe(label, scenario, angle))
@@ -377,10 +358,10 @@ class Oblique:
             start = (0, probe.balls[0].position[2], 0, x, z, 0)
             paper = oracle.bounce(body, [law], start, probe.steps * probe.step, 10)[1][-1][3:]
             expected, reason = paper, "oracle"
-            if self.code == "yade" and law.damping_ratio:
+            if self.engine.wall_slip_limit and law.damping_ratio:
                 expected = own_slip_limit(body, [law], start, probe)[-1][3:]
                 reason = (
-                    f"{OWN_SLIP_LIMIT}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
+                    f"{self.engine.wall_slip_limit}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
                     f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
                 )
             restitution = laws.dashpot_restitution(law.damping_ratio)
@@ -426,7 +407,7 @@ class Oblique:
 
 
 def own_slip_limit(body: oracle.Body, contact_laws, start, probe: Probe) -> np.ndarray:
-    """States (rows, 6) of a bounce with YADE's law at walls with a dashpot, at a quarter of the engine's step."""
+    """States (rows, 6) of a bounce whose slip limit holds the dashpot's force, at a quarter of the engine's step."""
     return oracle.bounce_in_steps(
         body,
         contact_laws,
@@ -440,7 +421,7 @@ def own_slip_limit(body: oracle.Body, contact_laws, start, probe: Probe) -> np.n
     )
 
 
-class NoApproach:
+class NoApproach(ProbedCase):
     """Case 10: contacts that form with almost no approach speed, or are there when the law is switched on.
 
     A sphere sinks onto a held one under gravity, at e_n = 0.6, M_d = 1, with the paper's time step: once with the
@@ -451,7 +432,8 @@ class NoApproach:
 
     def __init__(self, code: str):
         scenario = load_scenario("nonlinear-md1-en0.6", variant="paper-step")
-        self.code, self.scenario, self.clump = code, scenario, derived.clump(scenario)
+        super().__init__(code)
+        self.scenario, self.clump = scenario, derived.clump(scenario)
         step = derived.time_grid(scenario).step_s
         r, mass = self.clump.radius_m, self.clump.mass_kg
         self._starts = {"touching": (-1e-12, 1e-9), "overlapping": (1e-4, 0.0)}
@@ -475,17 +457,16 @@ class NoApproach:
 
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         r, mass = self.clump.radius_m, self.clump.mass_kg
-        law = pair_law(self.code, self.scenario, mass, laws.effective_radius(r, r))
+        law = self.engine.pair(self.scenario, mass, laws.effective_radius(r, r))
         static = (mass * 9.81 / laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)) ** (2 / 3)
         for probe in self._probes:
             start, speed = self._starts[probe.name.removeprefix("no-approach-")]
             rows = found[probe.name]
             overlap = 2 * r - (rows.position[:, 0, 2] - rows.position[:, 1, 2])
             expected = sink(law, start, speed, 9.81, rows.time)
-            reason = "oracle with the limit"
-            if self.code == "yade":
-                reason = "YADE's viscous Hertz law needs no limit: its own oracle"
-            results.compare_curves(self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, reason)
+            results.compare_curves(
+                self.name, f"overlap_m of {probe.name}", expected, overlap, 0.005, self.engine.sinking_note
+            )
             results.curve(
                 self.name,
                 probe.name,
@@ -493,7 +474,7 @@ class NoApproach:
                 overlap_m=overlap[::30],
                 overlap_m_expected=expected[::30],
             )
-            if self.code == "yade":
+            if not self.engine.has_dashpot_limit:
                 continue  # its weaker dashpot has not brought the sphere to rest by then, and has no limit to count
             results.compare(
                 self.name,
@@ -527,4 +508,4 @@ def sink(law, overlap: float, speed: float, gravity: float, times: np.ndarray) -
     return found.y[0]
 
 
-CASES = (head_on_impacts, wall_dashpot, chung_ooi, Oblique, NoApproach)
+CASES = (HeadOn, WallDashpot, ChungOoi, Oblique, NoApproach)

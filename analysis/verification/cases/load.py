@@ -16,6 +16,7 @@ from analysis.driver.engine import write_bed
 from analysis.driver.engines import ENGINES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
+from analysis.verification.cases.base import StagedCase
 from analysis.verification.cases.clumps import about_y
 from analysis.verification.probes import call_engine, with_values
 from analysis.verification.results import Results
@@ -25,7 +26,7 @@ CLEARANCE = 1e-8
 LAYERS = 3
 
 
-class LoadedColumn:
+class LoadedColumn(StagedCase):
     """Case 7, both load-control laws. Three clumps lie on each other, in a box of just their width and length.
 
     Expected: the chain of clump masses and contact springs under a harmonic force, solved as a linear system; the
@@ -35,7 +36,7 @@ class LoadedColumn:
     name, title = "load-control", "Sleeper on a column of known stiffness"
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         self.scenarios = {law: self._scenario(law) for law in ("force", "pfc")}
 
     def _scenario(self, law: str) -> Scenario:
@@ -64,7 +65,7 @@ class LoadedColumn:
             output__keep_beds=[2],
         )
 
-    def run(self, folder: Path, workers: int = 1) -> None:
+    def run(self, folder: Path, workers: int) -> None:
         """Preload and load both columns."""
         with ThreadPoolExecutor(workers) as pool:
             list(pool.map(lambda item: self._run(item[1], (folder / item[0]).resolve()), self.scenarios.items()))

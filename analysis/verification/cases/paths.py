@@ -8,7 +8,8 @@ from analysis import laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
-from analysis.verification.cases.impacts import OWN_SLIP_LIMIT, pair_law, wall_law
+from analysis.verification.cases.base import ProbedCase
+from analysis.verification.engine_laws import wall_law
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
 from analysis.verification.results import Results
 
@@ -25,13 +26,13 @@ CLOSING_AGAIN = ((1.1, -0.6), 30)
 PATH = (LOADING, SLIDING, BACK, UNLOADING, RELOADING, SEPARATION, CLOSING_AGAIN)
 
 
-class Paths:
+class Paths(ProbedCase):
     """Case 2: normal and shear force at every point of the path, in a wall contact and in contacts of two spheres."""
 
     name, title = "path", "Imposed motion: normal and shear force along a path"
 
     def __init__(self, code: str):
-        self.code = code
+        super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         damped = with_values(nonlinear, "damped", contact__particle_particle__restitution=0.6)
         own = {"contact__origin": "engine"}
@@ -96,23 +97,13 @@ class Paths:
         if wall:
             law = wall_law(scenario, mass)
         else:
-            law = pair_law(self.code, scenario, laws.effective_mass(mass, HELD_MASS), laws.effective_radius(r, r))
-        stock = scenario["contact.origin"] == "engine"
-        deviates = {"closing_scaled": False, "slip_by_total": True} if self.code == "yade" or stock else {}
-        if stock and self.code == "liggghts":
-            deviates["by_displacement"] = True
-        normal_force, shear_force = oracle.forces_along(law, overlap, closing, sliding, **deviates)
+            law = self.engine.pair(scenario, laws.effective_mass(mass, HELD_MASS), laws.effective_radius(r, r))
+        own = self.engine.along(scenario["contact.origin"] == "engine")
+        normal_force, shear_force = oracle.forces_along(law, overlap, closing, sliding, **own.deviates)
         force = found.force[1 : len(normal) + 1, 0]
         measured_normal, measured_shear = (np.einsum("ij,ij->i", force, axis) for axis in (normal, along))
 
-        reason, tolerance = "oracle, eq. 1-16 step by step", 1e-4
-        if deviates:
-            reason, tolerance = "oracle with YADE's own law: no eq. 3, dashpot's force in the slip limit", 0.005
-        if stock and self.code == "liggghts":
-            reason = (
-                "oracle with LIGGGHTS' own law: shear as displacement, which outlives a separation, no eq. 3, "
-                "dashpot's force in the slip limit"
-            )
+        reason, tolerance = own.reason, own.tolerance
         results.compare_curves(self.name, f"normal_force_N of {name}", normal_force, measured_normal, tolerance, reason)
         results.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
 
@@ -122,7 +113,7 @@ class Paths:
         for step, what in ((closes, "after the closing step"), (again, "after closing again")):
             note = (
                 "eq. 3: share of the step in contact"
-                if not deviates
+                if not own.deviates
                 else "the code has no eq. 3: the whole step counts"
             )
             results.compare(
@@ -137,10 +128,9 @@ class Paths:
         slips = ends[4] - 1
         limit = law.friction * law.elastic(overlap[slips + 1])
         note = "friction x elastic force, without the dashpot"
-        if deviates:
+        if own.slip_limit:
             paper, limit = limit, law.friction * abs(normal_force[slips])
-            own = OWN_SLIP_LIMIT if self.code == "yade" else "LIGGGHTS counts the dashpot's force in the slip limit"
-            note = f"{own}; the paper's law: {paper:.4g} N"
+            note = f"{own.slip_limit}; the paper's law: {paper:.4g} N"
         results.compare(
             self.name,
             f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}",

@@ -8,12 +8,13 @@ import math
 import numpy as np
 
 from analysis.normalised.porosity import porosity, solid, sphere_points
+from analysis.verification.cases.base import OwnCase
 from analysis.verification.results import Results
 
 RADIUS = 0.01
 
 
-class Porosity:
+class Porosity(OwnCase):
     """Case 9: needs no engine; beds of both codes are measured by the same function."""
 
     name, title = "porosity", "Porosity in a measurement sphere"
