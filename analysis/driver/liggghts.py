@@ -127,7 +127,7 @@ def _bonds(scenario: Scenario) -> dict[str, float]:
 
 
 def _blocks(scenario: Scenario) -> dict[str, list[float]]:
-    """Walls and simulated space, XLO XHI YLO YHI ZLO ZHI; lids close the box beside the sleeper during packing."""
+    """Walls, box and simulated space, XLO XHI YLO YHI ZLO ZHI; lids close the box beside the sleeper during packing."""
     box = derived.apparatus(scenario)
     (_, left, _), (_, right, _) = box.sleeper.low, box.sleeper.high
     top, lid_top = box.height_m, box.height_m + scenario["geometry.plate_thickness"]
@@ -137,6 +137,7 @@ def _blocks(scenario: Scenario) -> dict[str, list[float]]:
         "lid_left": derived.Block((0.0, 0.0, top), (box.length_m, left, lid_top)),
         "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top)),
     }
+    blocks["box"] = derived.Block((0.0, 0.0, 0.0), (box.length_m, box.width_m, box.height_m))
     blocks["space"] = derived.simulated_space(scenario)
     blocks |= {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
     return {

@@ -205,7 +205,7 @@ CONVERSIONS = (
         "both",
         "`state.mass` of the clump = density x volume of the union; of its spheres, as dashpots see it, times "
         "`contact.dashpot_mass_share`",
-        "`place_clumps mass`; mass of each sphere as the dashpot sees it, the same",
+        "`place mass`; mass of each sphere as the dashpot sees it, the same",
         "sphere.mass",
         _dashpot_mass,
         "sphere_mass",

@@ -24,6 +24,7 @@
 #include "fix_multisphere.h"
 #include "fix_property_atom.h"
 #include "force.h"
+#include "input.h"
 #include "lammps.h"
 #include "output_file.h"
 #include "particleToInsert_multisphere.h"
@@ -86,13 +87,13 @@ ClumpShape read_shape(LAMMPS *lmp, int narg, char **arg) {
   for (int n = 1; n < narg;) {
     const std::string key = arg[n++];
     const int count = key == "inertia" ? 2 : 1;
-    if (n + count > narg) stop_with_error(lmp, "place_clumps: value of " + key + " is missing");
+    if (n + count > narg) stop_with_error(lmp, "place: value of " + key + " is missing");
     values[key] = lmp->force->numeric(FLERR, arg[n]);
     if (count == 2) values["inertia_axial"] = lmp->force->numeric(FLERR, arg[n + 1]);
     n += count;
   }
   for (const char *key : {"radius", "half_distance", "mass", "density", "inertia", "type"})
-    if (!(values[key] > 0.0)) stop_with_error(lmp, std::string("place_clumps: ") + key + " must be given and positive");
+    if (!(values[key] > 0.0)) stop_with_error(lmp, std::string("place: ") + key + " must be given and positive");
   return {
       values["radius"],        values["half_distance"],         values["mass"], values["density"], values["inertia"],
       values["inertia_axial"], static_cast<int>(values["type"])};
@@ -174,12 +175,12 @@ std::vector<double> gather_rows(LAMMPS *lmp, const std::vector<double> &rows) {
 
 }  // namespace
 
-void place_clumps(LAMMPS *lmp, int narg, char **arg) {
+void place(LAMMPS *lmp, int narg, char **arg) {
   if (narg < 2)
-    stop_with_error(lmp, "place_clumps: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
+    stop_with_error(lmp, "place: expects FILE radius R half_distance H mass M density RHO inertia IT IA type T");
   FixMultisphere *clumps = clumps_of(lmp);
   if (clumps->n_body_all() > 0)
-    stop_with_error(lmp, "place_clumps: there are clumps already; place them once, before the first run");
+    stop_with_error(lmp, "place: there are clumps already; place them once, before the first run");
   const ClumpShape shape = read_shape(lmp, narg, arg);
   std::vector<Pose> bed = read_bed(lmp, arg[0]);
   // neighbours in space are neighbours in memory; nothing is sorted later, so that a resumed run meets the spheres in
@@ -212,11 +213,10 @@ void place_clumps(LAMMPS *lmp, int narg, char **arg) {
   if (lmp->comm->me == 0 && lmp->screen) fprintf(lmp->screen, "%zu clumps placed from %s\n", bed.size(), arg[0]);
 }
 
-void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
-  if (narg != 7 || strcmp(arg[0], "outside") != 0)
-    stop_with_error(lmp, "delete_clumps: expects outside XLO XHI YLO YHI ZLO ZHI");
+void remove_outside(LAMMPS *lmp, int narg, char **arg) {
+  if (narg != 6) stop_with_error(lmp, "remove_outside: expects XLO XHI YLO YHI ZLO ZHI");
   double box[6];
-  for (int n = 0; n < 6; n++) box[n] = lmp->force->numeric(FLERR, arg[1 + n]);
+  for (int n = 0; n < 6; n++) box[n] = lmp->force->numeric(FLERR, arg[n]);
   FixMultisphere *clumps = clumps_of(lmp);
   Multisphere &bodies = clumps->data();
   const int highest = clumps->tag_max_body();
@@ -234,6 +234,7 @@ void delete_clumps(LAMMPS *lmp, int narg, char **arg) {
   if (lmp->comm->me == 0 && lmp->screen)
     fprintf(lmp->screen, "%ld clumps left the box and are deleted\n",
             static_cast<long>(std::count(leaves_all.begin(), leaves_all.end(), 1)));
+  lmp->input->one("run 0 post no");  // whose setup deletes them
 }
 
 void write_bed(LAMMPS *lmp, int narg, char **arg) {
@@ -293,7 +294,7 @@ void write_contacts(LAMMPS *lmp, int narg, char **arg) {
 void write_bonds(LAMMPS *lmp, int narg, char **arg) {
   if (narg != 1) stop_with_error(lmp, "write_bonds: expects FILE");
   FixBonds *bonds = FixBonds::find(lmp);
-  if (!bonds) stop_with_error(lmp, "write_bonds: there are none; the deck needs fix ballast/bonds first");
+  if (!bonds) return;
   FixMultisphere *clumps = find_clumps(lmp);
   const Atom *atom = lmp->atom;
   // the clump of each sphere; those of a broken bond may be far from each other

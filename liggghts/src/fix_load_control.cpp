@@ -33,7 +33,7 @@ FixLoadControl::FixLoadControl(LAMMPS *lmp, int narg, char **arg)
       velocity_limit_(0.0),
       contact_floor_(0.0),
       count_interval_(0),
-      target_style_(CONSTANT),
+      target_style_(NONE),
       ramp_start_(0.0),
       velocity_(0.0),
       travel_(0.0),
@@ -93,7 +93,7 @@ void FixLoadControl::set_wall_velocity() {
 }
 
 void FixLoadControl::initial_integrate(int) {
-  if (law_ == FIXED) return;
+  if (!moves()) return;
   double step[3];
   for (int d = 0; d < 3; d++) step[d] = velocity_ * update->dt * direction_[d];
   travel_ += velocity_ * update->dt;
@@ -106,9 +106,9 @@ void FixLoadControl::final_integrate() {
   wall_->total_force(force);
   contact_force_ = -(force[0] * direction_[0] + force[1] * direction_[1] + force[2] * direction_[2]);
   const double wanted = target(), error_force = wanted * area_ - contact_force_;
-  if (law_ == FORCE) {
+  if (moves() && law_ == FORCE) {
     velocity_ += update->dt * (error_force - drag_ * velocity_) / mass_;
-  } else if (law_ == PFC) {
+  } else if (moves() && law_ == PFC) {
     if (stage_->step() % count_interval_ == 0 || contacts_ == 0) contacts_ = wall_->total_contacts();
     const double wall_stiffness = stiffness_ * std::max(static_cast<double>(contacts_), contact_floor_);
     velocity_ = gain_ * error_force / (wall_stiffness * (gain_step_ > 0.0 ? gain_step_ : update->dt));
@@ -127,7 +127,7 @@ void FixLoadControl::final_integrate() {
 }
 
 double FixLoadControl::target() const {
-  if (target_style_ == CONSTANT) return target_values_[0];
+  if (target_style_ == NONE || target_style_ == CONSTANT) return target_values_[0];
   const double time = stage_ ? stage_->time() : 0.0;
   if (target_style_ == HARMONIC)
     return target_values_[0] - target_values_[1] * cos(2.0 * M_PI * target_values_[2] * time);
@@ -151,7 +151,7 @@ double FixLoadControl::window_mean() const {
 }
 
 double FixLoadControl::deviation() const {
-  if (law_ == FIXED) return 0.0;
+  if (!moves()) return 0.0;
   return window_full_ ? fabs(window_mean() / target() - 1.0) : 1.0;
 }
 

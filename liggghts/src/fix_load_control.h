@@ -16,12 +16,12 @@ namespace LAMMPS_NS {
 ///   fix_modify ID target constant S | ramp S1 S2 T | harmonic MEAN AMPLITUDE FREQUENCY
 ///   fix_modify ID averaging_time T                         window of output 7, s
 /// DT is the time step that the gain is meant for (0 or not given: the run's own). Stresses in Pa, positive = bed
-/// pushes back; a ramp begins at the present step, a harmonic target is MEAN - AMPLITUDE cos(2 pi FREQUENCY t) with t
-/// the time of the stage. Travel, velocity, contact force, contact count and the sums since the last output row are
-/// kept in restart files; law and target come from the deck. Outputs: [1] target (Pa), [2] stress (Pa), [3] mean stress
-/// since the last row (Pa), [4] mean squared error since then (Pa2), [5] travel along the direction (m), [6] velocity
-/// (m/s), [7] mean stress over the averaging window (Pa; 0 until it is full), [8] contacts of the wall when last
-/// counted, [9] relative deviation of [7] from the target (0 under law fixed; 1 until the window is full).
+/// pushes back; the wall is held until it has a target. A ramp begins at the present step, a harmonic target is MEAN -
+/// AMPLITUDE cos(2 pi FREQUENCY t) with t the time of the stage. Travel, velocity, contact force, contact count and the
+/// sums since the last output row are kept in restart files; law and target come from the deck. Outputs: [1] target
+/// (Pa), [2] stress (Pa), [3] mean stress since the last row (Pa), [4] mean squared error since then (Pa2), [5] travel
+/// along the direction (m), [6] velocity (m/s), [7] mean stress over the averaging window (Pa; 0 until it is full), [8]
+/// contacts of the wall when last counted, [9] `deviation`.
 class FixLoadControl : public Fix {
  public:
   FixLoadControl(class LAMMPS *, int, char **);
@@ -40,19 +40,22 @@ class FixLoadControl : public Fix {
   double mean_stress() const { return row_steps_ ? stress_sum_ / row_steps_ : stress(); }
   double mean_squared_error() const;
   double travel() const { return travel_; }
+  /// Relative deviation of the window's mean from the target: 0 where the wall does not move, 1 until the window is
+  /// full.
+  double deviation() const;
   /// Begin a new output row.
   void start_row();
 
  private:
   enum Law { FIXED, FORCE, PFC };
-  enum Target { CONSTANT, RAMP, HARMONIC };
+  enum Target { NONE, CONSTANT, RAMP, HARMONIC };
 
   void parse_law(const char *name);
   void parse_target(int narg, char **arg, int &used);
   double number(int narg, char **arg, int index) const;
   void set_wall_velocity();
   double window_mean() const;
-  double deviation() const;
+  bool moves() const { return law_ != FIXED && target_style_ != NONE; }
 
   class FixWall *wall_;
   class FixStage *stage_;

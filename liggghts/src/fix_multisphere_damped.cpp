@@ -60,7 +60,7 @@ void FixMultisphereDamped::find_spheres() {
         inertia[body][2] != inertia_axial_)
       error->one(
           FLERR,
-          "fix multisphere/damped: its bodies must be equal clumps of two spheres; place them with place_clumps");
+          "fix multisphere/damped: its bodies must be equal clumps of two spheres; place them with the command place");
 }
 
 /// The stock fix's tables of bodies.

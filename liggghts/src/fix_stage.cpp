@@ -17,7 +17,9 @@ FixStage::FixStage(LAMMPS *lmp, int narg, char **arg)
       segment_step_(update->ntimestep),
       segment_time_(0.0),
       segment_dt_(0.0) {
-  if (narg != 3) error->fix_error(FLERR, this, "takes no arguments");
+  if (narg != 5) error->fix_error(FLERR, this, "expects NAME FILE");
+  name_ = arg[3];
+  state_file_ = arg[4];
   vector_flag = 1;
   size_vector = 2;
   global_freq = 1;

@@ -23,7 +23,6 @@
 #include "contact_models.h"
 
 #include "commands.h"
-#include "fix_bed_state.h"
 #include "fix_bonds.h"
 #include "fix_history.h"
 #include "fix_load_control.h"
@@ -95,19 +94,19 @@ void register_styles(LAMMPS *lmp) {
   fixes["ballast/load"] = &create_fix<FixLoadControl>;
   fixes["ballast/history"] = &create_fix<FixHistory>;
   fixes["ballast/bonds"] = &create_fix<FixBonds>;
-  fixes["ballast/state"] = &create_fix<FixBedState>;
 
   CommandTable &commands = *(lmp->input->*member_of(CommandTableKey()));
-  commands["place_clumps"] = &place_clumps;
-  commands["delete_clumps"] = &delete_clumps;
+  commands["place"] = &place;
+  commands["remove_outside"] = &remove_outside;
   commands["write_bed"] = &write_bed;
   commands["write_contacts"] = &write_contacts;
   commands["write_bonds"] = &write_bonds;
-  commands["write_state"] = &write_state_row;
   commands["write_checkpoint"] = &write_checkpoint;
-  commands["stop_requested"] = &stop_requested;
-  commands["end_run"] = &end_run;
-  commands["fail"] = &fail;
+  commands["advance"] = &advance;
+  commands["advance_to_rest"] = &advance_to_rest;
+  commands["advance_cycles"] = &advance_cycles;
+  commands["for_each"] = &for_each;
+  commands["pair_property"] = &pair_property;
 }
 
 }  // namespace ballast
