@@ -39,7 +39,7 @@ def pack(run: stage.Stage, _) -> None:
         O.dt = run.grid.step_s / math.sqrt(fraction)
         run.advance(s["packing.relax_steps"], block)
 
-    # 2. compaction without lid; what left the box goes
+    # 2. compaction with the lid off; what left the box goes
     O.bodies.erase(lid)
     law.set_friction(s["packing.compaction_friction"], s["packing.compaction_friction"])
     newton.gravity = (0, 0, -s["packing.compaction_gravity"])

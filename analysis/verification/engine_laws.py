@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from analysis import laws
 from analysis.scenarios.conversions import viscous_restitution
+from analysis.scenarios.deviations import BOND_CHECK_STEPS
 from analysis.scenarios.scenario import Scenario
 from analysis.verification import oracle
 
@@ -104,7 +105,7 @@ class YadeLaws(EngineLaws):
     rotation_note = (
         "; YADE's rotation gains energy in proportion to step, time and spin, and keeps the angular momentum"
     )
-    steps_between_bond_checks = 50  # CHECK_STEPS of yade/bond.py
+    steps_between_bond_checks = BOND_CHECK_STEPS
 
     def _hysteretic(self, scenario: Scenario, elastic: tuple, factor: float, mass: float) -> oracle.Hysteretic:
         if not factor:

@@ -115,6 +115,7 @@ void advance(LAMMPS *lmp, int narg, char **arg) {
   bigint left = whole_number(lmp, words[0]);
   const bigint block = words.size() == 3 ? whole_number(lmp, words[2]) : std::max<bigint>(1, left);
   if (block < 1) stop_with_error(lmp, expected);
+  FixStage::find(lmp);  // ends a deck without a clock before anything runs
   for (; left > 0; left -= block) {
     advance_block(lmp, std::min(left, block));
     if (stop_requested(lmp)) end_stopped(lmp);
