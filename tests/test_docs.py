@@ -11,6 +11,7 @@ from analysis.__main__ import COMMANDS
 from analysis.docs import design, method, sketch, write
 from analysis.files import ROOT
 from analysis.formats import markdown
+from analysis.formats.run_record import STAGES as RUN_STAGES
 from analysis.scenarios import deviations
 from analysis.scenarios.scenario import (
     SCENARIO_FILE,
@@ -119,6 +120,20 @@ def test_a_scenario_or_variant_from_the_documents_can_be_added(added, profile, t
 
 
 # ------------------------------------------------------------------ method
+
+
+def test_the_method_has_the_steps_of_the_decks_in_their_order_and_words():
+    told = re.findall(r"^(\d)\. \*\*(.+?)\*\*", method.STAGES.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    decks = [
+        heading
+        for stage in RUN_STAGES
+        for heading in re.findall(
+            r"^# (\d)\. (.+)$", (ROOT / "liggghts" / f"{stage}.in").read_text(encoding="utf-8"), flags=re.MULTILINE
+        )
+    ]
+    assert [number for number, _ in told] == [number for number, _ in decks]
+    for (_, words), (_, heading) in zip(told, decks, strict=True):
+        assert heading.lower().startswith(words.lower())
 
 
 def test_each_equation_of_the_paper_is_in_the_method_and_in_the_laws():
