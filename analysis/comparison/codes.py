@@ -117,9 +117,14 @@ class _Until:
     """A run seen up to a cycle, so that longer and shorter runs are measured alike."""
 
     def __init__(self, run, last: int):
-        self.scenario = run.scenario
+        self.scenario, self.folder = run.scenario, run.folder
         self.cycles, self.microstructure = (t[t["cycle"] <= last] for t in (run.cycles, run.microstructure))
         self.history = run.history[run.history["cycle"] <= last + 1e-6]
+        self._run = run
+
+    @property
+    def harmonics(self) -> pd.DataFrame:
+        return self._run.harmonics
 
 
 def _compare(samples: dict[str, np.ndarray]) -> tuple:

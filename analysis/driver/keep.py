@@ -54,7 +54,7 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
             if (folder / name).exists():
                 shutil.copyfile(folder / name, new / name)
                 sync(new / name)
-        keep_harmonics(folder, new)
+        keep_of_history(folder, new)
     except OSError:
         shutil.rmtree(new, ignore_errors=True)
         raise
@@ -66,11 +66,14 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
     return what
 
 
-def keep_harmonics(folder: Path, target: Path) -> None:
-    """Write the first harmonics of history.csv, which is too large to be kept itself; nothing without it."""
+def keep_of_history(folder: Path, target: Path) -> None:
+    """Write the first harmonics and two cycles of history.csv, which is too large to be kept itself; nothing without
+    it.
+    """
     if (folder / "history.csv").exists():
-        table = Run(folder, quiet=True).harmonics
-        write_csv(target / "harmonics.csv", [list(table.columns), *(map(short, row) for row in table.to_numpy())])
+        run = Run(folder, quiet=True)
+        for name, table in (("harmonics.csv", run.harmonics), ("loops.csv", run.loops)):
+            write_csv(target / name, [list(table.columns), *(map(short, row) for row in table.to_numpy())])
 
 
 def add_arguments(parser: Parser) -> None:

@@ -91,6 +91,9 @@ HARMONICS = (
 )
 """harmonics.csv, of kept runs: a row per cycle, the first harmonics of history.csv, which is too large to be kept."""
 
+LOOPS = ("time_s", "cycle", "sleeper_target_Pa", "sleeper_stress_Pa", "settlement_m")
+"""loops.csv, of kept runs: the rows of history.csv of the first and the last whole cycle."""
+
 BED = ("id", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 """raw/bed_*.csv, bed_before.csv, bed_after.csv: a row per clump, its centre and the unit quaternion that turns its
 frame, z along the clump, into space."""

@@ -6,6 +6,7 @@ whose run.json cannot be read is left out: what it was is not guessed.
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -153,6 +154,17 @@ class Run:
         if (self.folder / "harmonics.csv").exists():
             return self._table("harmonics.csv", file_columns.HARMONICS, whole=True)
         return harmonics.of_history(self.history)
+
+    @cached_property
+    def loops(self) -> pd.DataFrame:
+        """Rows of the first and the last whole cycle (columns `file_columns.LOOPS`): of history.csv, of loops.csv in
+        kept runs.
+        """
+        if (self.folder / "loops.csv").exists():
+            return self._table("loops.csv", file_columns.LOOPS, whole=False)
+        rows = self.history[list(file_columns.LOOPS)]
+        last = math.floor(rows["cycle"].max() + 1e-9) if len(rows) else 0
+        return rows[(rows["cycle"] <= 1 + 1e-9) | rows["cycle"].between(last - 1 - 1e-9, last + 1e-9)]
 
     @cached_property
     def stages(self) -> stages.Stages:

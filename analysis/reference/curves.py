@@ -26,7 +26,7 @@ from analysis.scenarios.scenario import load_scenario, scenario_names
 
 REFERENCE_FOLDER = ROOT / "reference_data"
 
-NOT_CURVES = ("settlement_laws", "settlement_shapes", "runs")
+NOT_CURVES = ("ballast_stiffness", "settlement_laws", "settlement_shapes", "runs", "verification")
 
 COLUMNS = (
     "source",

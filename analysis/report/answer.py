@@ -12,6 +12,7 @@ from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SERVO
 from analysis.formats.quantities import CODES
+from analysis.reference.ballast_stiffness import ballast_stiffness
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,9 @@ def outcomes(found: Findings, scenarios: Iterable[str], profile: str) -> dict[tu
                     result[scenario, reading, code] = outcome
     return result
 
+
+JUDGED = "full"
+"""Profile of the runs that the paper's claims are judged on."""
 
 LEAST_TOLD = 100
 """Outcomes are told after at least this many cycles where all readings have reached them."""
@@ -156,8 +160,10 @@ def _filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
 
 
 def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
-    """Everything that the sentences of templates/answer.txt need; claims only where the profile has a run."""
-    judged = found.verdicts if any(m.run.profile == profile for m in found.members) else found.verdicts.iloc[:0]
+    """Everything that the sentences of templates/answer.txt need; claims, which are
+    judged on full-size runs, only for these.
+    """
+    judged = found.verdicts if profile == JUDGED and _has_run(found, profile) else found.verdicts.iloc[:0]
     linear, nonlinear = (*key_scenarios, "", "")[:2]
     agreement = only(found.agreement, profile=profile)
     return {
@@ -173,8 +179,14 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
     }
 
 
+def _has_run(found: Findings, profile: str) -> bool:
+    return any(m.run.profile == profile for m in found.members)
+
+
 def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
-    """What templates/engineer.txt needs: stiffness, overlaps, clumps and losses of the key scenarios, in LIGGGHTS."""
+    """What templates/engineer.txt needs of the key scenarios in LIGGGHTS: stiffness beside published ones, overlaps,
+    clumps, losses and time steps.
+    """
     values = only(found.values, profile=profile, code="liggghts")
     values = values[values["scenario"].isin(key_scenarios)]
 
@@ -182,13 +194,26 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
         rows = values[values["quantity"] == quantity]
         return rows.groupby(["scenario", "reading"], sort=False).agg(low=("low", "min"), high=("high", "max"))
 
-    overlaps = ranges("overlap_max_ratio")["high"].groupby("scenario", sort=False).max()
+    overlaps = ranges("overlap_max_ratio").groupby("scenario", sort=False).agg(low=("low", "min"), high=("high", "max"))
     clumps = only(found.coverage, profile=profile)["clumps"]
     return {
         "code": "liggghts",
         "outcomes": list(outcomes(found, key_scenarios, profile).values()),
         "stiffness": dict(ranges("secant_stiffness_N_m").iterrows()),
-        "overlaps": list(overlaps.items()),
+        "overlaps": list(overlaps.iterrows()),
+        "published": ballast_stiffness(),
+        "steps": step_shares(found.timestep, key_scenarios),
         "clumps": [int(clumps.min()), int(clumps.max())] if len(clumps) else [],
         "energy": ranges("loop_energy_J").reset_index().to_dict("records"),
     }
+
+
+def step_shares(timestep: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:
+    """Of each scenario the steps of the paper and of the study over the critical step of its preloaded bed."""
+    if timestep.empty:
+        return []
+    shares = timestep.drop_duplicates(["scenario", "case"]).pivot(index="scenario", columns="case", values="step_share")
+    known = [name for name in scenarios if name in shares.index]
+    return [
+        {"scenario": name, "paper": shares.at[name, "paper"], "study": shares.at[name, "verified"]} for name in known
+    ]

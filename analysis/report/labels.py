@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD
+from analysis.formats.numbers import readable as number
+from analysis.normalised.readers import Run
+from analysis.report.style import CODE_NAMES
+from analysis.scenarios import derived
 from analysis.scenarios.scenario import label_of, split_id
 
 MM, KPA = 1e3, 1e-3
@@ -49,3 +55,20 @@ def reference_name(kind: str, source: str, curve: str) -> str:
     if kind == "experiment":
         return "experiment"
     return {"chen2015": "Chen 2015", "talebiahooie2021": f"paper {short_name(curve)}"}.get(source, f"{source} {curve}")
+
+
+def time_steps(runs: Iterable[Run]) -> str:
+    """Sentences on the time steps of runs that are shown together, by scenario; empty where each has one step."""
+    scenarios: dict[str, dict[str, list[str]]] = {}
+    for run in runs:
+        if run.scenario is not None:
+            step = number(derived.time_grid(run.scenario).step_s, 3, 1e6)
+            name = f"{CODE_NAMES.get(run.code, run.code)} seed {run.seed}"
+            name += " by the servo" if is_reading(run.scenario_name) else ""
+            scenarios.setdefault(run.base_name, {}).setdefault(step, []).append(name)
+    sentences = []
+    for scenario, steps in scenarios.items():
+        if len(steps) > 1:
+            parts = [f"{step} µs in {', '.join(dict.fromkeys(names))}" for step, names in sorted(steps.items())]
+            sentences.append(f"{short_name(scenario)}: {'; '.join(parts)}.")
+    return " ".join(["Time steps differ.", *sentences]) if sentences else ""

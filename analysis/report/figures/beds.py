@@ -3,13 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from analysis.normalised.readers import Run
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import short_name
 from analysis.report.pictures.panels import bed_panel, chain_panel
-from analysis.report.pictures.scene import NoBed, ViewError, last_with_contacts, load_scene
-from analysis.report.style import CODE_NAMES
+from analysis.report.pictures.scene import NoBed, Scene, ViewError, last_with_contacts, load_scene, packed_scene
+from analysis.report.style import CODE_NAMES, Canvas
+from analysis.scenarios.scenario import Scenario
+
+VIEW = {"azimuth_deg": -28, "elevation_deg": 20, "pixels": 1200}
+
+
+def kept_bed_figure(g: Gallery, path: Path, s: Scenario, name: str, title: str, caption: str) -> Figure | None:
+    """A packed bed kept in the repository as a picture; None where it is not there."""
+    try:
+        scene = packed_scene(path, s)
+    except ViewError as error:
+        if not isinstance(error, NoBed):
+            g.complain(str(error))
+        return None
+    return g.finish(name, title, caption, [_bed_panel(scene, name, scene.title)], [], layout="picture")
+
+
+def _bed_panel(scene: Scene, name: str, heading: str) -> Canvas:
+    return bed_panel(scene, name, heading, **VIEW)
 
 
 def bed_figure(
@@ -26,11 +45,7 @@ def bed_figure(
             continue
         key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
         heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}, {scene.title}"
-        c = (
-            chain_panel(scene, key, heading)
-            if chains
-            else bed_panel(scene, key, heading, azimuth_deg=-28, elevation_deg=20, pixels=1200)
-        )
+        c = chain_panel(scene, key, heading) if chains else _bed_panel(scene, key, heading)
         if c is None:
             continue
         drawn.append(c)

@@ -15,6 +15,7 @@ from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, MM, short_name
 from analysis.report.style import CODE_NAMES, SOFT
+from analysis.scenarios.scenario import Scenario
 
 TRACKING_AIM = {model: 100 * aim for model, aim in runs_findings.TRACKING_AIM.items()}
 """rms tracking error that no cycle should exceed, by contact model, % of the maximum stress."""
@@ -76,46 +77,36 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     return g.finish(name, title, caption, [error, extremes], runs, curves)
 
 
-def stress_figure(
-    g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str, cycles: int = 3
-) -> Figure | None:
-    """The paper's Figure 6: vertical stress on the sleeper against time, target and what each run measured."""
-    curves = [curve for curve in g.curves(runs) if len(curve.main.history)]
-    setup = next((curve.setup for curve in curves if curve.setup is not None), None)
-    if setup is None:
-        return None
-    panels = []
-    for code in sorted({curve.code for curve in curves}):
-        c = style.canvas(
-            f"{name}-{code}",
-            f"Vertical stress on the sleeper, target and measured, {CODE_NAMES.get(code, code)}",
-            right=1.2,
-        )
-        time = np.linspace(0, cycles / setup["loading.frequency"], 400)
-        low, high = setup["loading.stress_min"], setup["loading.stress_max"]
-        target = (high + low) / 2 - (high - low) / 2 * np.cos(2 * np.pi * setup["loading.frequency"] * time)
-        c.axes.plot(1e3 * time, KPA * target, color=SOFT, linewidth=3.4, alpha=0.35, solid_capstyle="butt")
-        c.labels.append((1e3 * time[-1], KPA * target[-1], "target", SOFT))
-        frames = []
-        for curve in (curve for curve in curves if curve.code == code):
-            history = curve.main.history
-            part = history[history["cycle"] <= cycles + 1e-9]
-            c.axes.plot(1e3 * part["time_s"], KPA * part["sleeper_stress_Pa"], color=curve.colour, linewidth=1.1)
-            c.labels.append(
-                (
-                    1e3 * part["time_s"].iloc[-1],
-                    KPA * part["sleeper_stress_Pa"].iloc[-1],
-                    short_name(curve.scenario),
-                    curve.colour,
-                )
+def stress_figure(g: Gallery, s: Scenario, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure:
+    """The paper's Figure 6: vertical stress on the sleeper against time as `s` prescribes it, and over it the first and
+    the last cycle that runs measured.
+    """
+    c = style.canvas(name, "Vertical stress on the sleeper against time: three periods of the target", right=1.2)
+    low, high, period = s["loading.stress_min"], s["loading.stress_max"], 1 / s["loading.frequency"]
+    time = np.linspace(0, 3 * period, 400)
+    target = (high + low) / 2 - (high - low) / 2 * np.cos(2 * np.pi * time / period)
+    c.axes.plot(1e3 * time, KPA * target, color=SOFT, linewidth=3.4, alpha=0.35, solid_capstyle="butt")
+    c.labels.append((1e3 * time[-1], KPA * target[-1], "target", SOFT))
+    c.table = pd.DataFrame({"run": "target", "time_s": time, "cycle": time / period, "sleeper_stress_Pa": target})
+    curves = [curve for curve in g.curves(runs) if len(curve.main.loops)]
+    for curve in curves:
+        rows = curve.main.loops
+        last = np.floor(rows["cycle"].max() + 1e-9)
+        for cycle, at in {1: 0, last: 2 if last > 1 else 0}.items():
+            part = rows[rows["cycle"].between(cycle - 1 - 1e-9, cycle + 1e-9)]
+            shown = 1e3 * period * (part["cycle"] - cycle + 1 + at)
+            c.axes.plot(
+                shown,
+                KPA * part["sleeper_stress_Pa"],
+                color=curve.colour,
+                linewidth=1.2,
+                linestyle=curve.look["linestyle"],
             )
-            frames.append(part[["time_s", "cycle", "sleeper_target_Pa", "sleeper_stress_Pa"]].assign(run=curve.main.id))
-        c.axes.set(xlabel="time from the start of loading, ms", ylabel="stress on the sleeper, kPa")
-        c.axes.set_title(CODE_NAMES.get(code, code))
-        c.axes.set_ylim(0, 1.12 * KPA * high)
-        c.table = pd.concat(frames, ignore_index=True)
-        panels.append(c)
-    return g.finish(name, title, caption, panels, [curve.main for curve in curves])
+        end = KPA * part["sleeper_stress_Pa"]
+        c.labels.append((shown.iloc[-1], end.iloc[-1], f"{curve.tag}, cycle {last:.0f}", curve.colour))
+        c.table = pd.concat([c.table, rows.assign(run=curve.main.id)], ignore_index=True)
+    c.axes.set(xlabel="time, ms", ylabel="stress on the sleeper, kPa", ylim=(0, 1.12 * KPA * high))
+    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
 
 
 def stroke_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
@@ -146,15 +137,15 @@ def stroke_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, captio
 
 
 def loop_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
-    """Stress on the sleeper against its settlement in a few cycles, one panel per scenario."""
-    curves = [curve for curve in g.curves(runs) if len(curve.main.history)]
+    """Stress on the sleeper against its settlement in the first and the last cycle, one panel per scenario."""
+    curves = [curve for curve in g.curves(runs) if len(curve.main.loops)]
     drawn = []
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
         c = style.canvas(f"{name}-{scenario}", f"Stress against settlement, {short_name(scenario)}", right=1.2)
         frames = []
         for curve in members:
-            history = curve.main.history
+            history = curve.main.loops
             last = int(np.floor(history["cycle"].max() + 1e-9))
             for cycle in sorted({1, last}):
                 part = history[(history["cycle"] >= cycle - 1 - 1e-9) & (history["cycle"] <= cycle + 1e-9)]

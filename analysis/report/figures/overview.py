@@ -12,7 +12,7 @@ from analysis.comparison.findings.members import READINGS, SERVO, Member
 from analysis.report import style
 from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
 from analysis.report.figure import Figure, Gallery
-from analysis.report.labels import KPA, MM, READING_NAMES, short_name
+from analysis.report.labels import KPA, MM, READING_NAMES, short_name, time_steps
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, INK, SOFT, Canvas
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
@@ -155,7 +155,8 @@ def both_readings_figure(
         _finish_panel(c, curves_here, short_name(scenario))
         drawn.append(c)
         used += curves_here
-    return g.finish(name, title, caption, drawn, [run for curve in used for run in curve.runs], used)
+    runs = [run for curve in used for run in curve.runs]
+    return g.finish(name, title, f"{caption} {time_steps(runs)}".strip(), drawn, runs, used)
 
 
 def _finish_panel(c: Canvas, curves: list, title: str) -> None:

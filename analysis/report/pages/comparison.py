@@ -18,7 +18,7 @@ from analysis.report.figures.lateral import PROFILE_CYCLES
 from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.figures.same_bed import same_bed_figure
-from analysis.report.labels import MM, READING_NAMES, short_name
+from analysis.report.labels import MM, READING_NAMES, short_name, time_steps
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, key_runs, name_of
 from analysis.report.sentences import lines
 from analysis.report.style import CODE_NAMES
@@ -35,6 +35,7 @@ def comparison(data: ReportData) -> dict:
         "profile": profile,
         "states": states(agreement),
         "scatter": scatter_figure(g, agreement, "agreement-all"),
+        "time_steps": time_steps(m.run for m in found.members if m.plain and m.run.profile == profile),
         "agreement": agreement_table(agreement),
         "every_agreement": agreement_table(agreement, COMPARED, all_cycles=True),
         "lateral": lateral_table(data, profile),

@@ -11,13 +11,13 @@ from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
 from analysis.report.figure import Figure, Gallery, family_of
-from analysis.report.figures.beds import bed_figure
+from analysis.report.figures.beds import bed_figure, kept_bed_figure
 from analysis.report.figures.lateral import PROFILE_CYCLES, lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
 from analysis.report.figures.settlement import measured_shape_figure, settlement_figure, shape_figure
-from analysis.report.labels import MM, MODE_NAMES, READING_NAMES, SOURCE_NAMES, short_name
+from analysis.report.labels import KPA, MM, MODE_NAMES, READING_NAMES, SOURCE_NAMES, short_name
 from analysis.report.report_data import (
     KEY_SCENARIOS,
     PAPER_SCENARIOS,
@@ -41,20 +41,7 @@ def paper_figures(data: ReportData) -> dict:
     by_reading = {reading: Runs(run for run in runs if member(run).reading == reading) for reading in readings}
     groups = [
         bed_group(data, profile),
-        {
-            "title": "Figure 6: the load",
-            "missing": "It needs a run whose history.csv is on this machine; committed runs have none.",
-            "figures": [
-                stress_figure(
-                    g,
-                    [run for run in key_runs(data, profile) if run.seed == 1][:4],
-                    "figure6",
-                    "Figure 6 remade: stress on the sleeper",
-                    "255 − 205 cos(2π · 20 Hz · t) kPa: the target (broad) and the contact force on the sleeper over "
-                    "its area.",
-                )
-            ],
-        },
+        load_group(data, profile),
         {"title": "Figure 9: the damping modes", "figures": [restitution_figure(g)], "tables": [restitution_rows()]},
         group("Figure 10: the linear model", by_reading, lambda mine, reading: figure10(g, mine, reading)),
         group("Figure 11: settlement, nonlinear model", by_reading, lambda mine, reading: figure11(g, mine, reading)),
@@ -112,6 +99,7 @@ def paper_figures(data: ReportData) -> dict:
     }
 
 
+KEPT_BED = "liggghts-seed1.csv.gz"
 WAITS = "It appears as soon as a run of one of its scenarios has finished a cycle."
 SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
 
@@ -235,18 +223,19 @@ def bed_group(data: ReportData, profile: str) -> dict:
     what = (
         "after packing, before preload" if label == "packed" else "at the end of preload (the packed bed was not kept)"
     )
+    drawn = bed_figure(
+        g,
+        packed[:2],
+        "figure5",
+        label,
+        f"Figure 5 remade: the bed {what}",
+        "Each code packs its own bed by the paper's procedure from the same lattice and orientations.",
+    )
     return {
         "title": "Figure 5: the bed",
-        "missing": "It needs a run whose beds are on this machine; committed runs have none.",
+        "missing": "It needs a run whose beds are on this machine, or a bed in reference_data/runs/beds.",
         "figures": [
-            bed_figure(
-                g,
-                packed[:2],
-                "figure5",
-                label,
-                f"Figure 5 remade: the bed {what}",
-                "Each code packs its own bed by the paper's procedure from the same lattice and orientations.",
-            ),
+            drawn or kept_bed(data),
             bed_figure(
                 g,
                 candidates,
@@ -259,6 +248,42 @@ def bed_group(data: ReportData, profile: str) -> dict:
             ),
         ],
     }
+
+
+def kept_bed(data: ReportData) -> Figure | None:
+    """The full bed that is kept in the repository."""
+    if not KEY_SCENARIOS:
+        return None
+    return kept_bed_figure(
+        data.gallery,
+        data.kept / "beds" / KEPT_BED,
+        load_scenario(KEY_SCENARIOS[0], "full"),
+        "figure5",
+        "Figure 5 remade: the full bed after packing, before preload",
+        f"Packed by LIGGGHTS with seed 1 (reference_data/runs/beds/{KEPT_BED}); cut open along the middle of the "
+        "sleeper, which is drawn as glass. Two joined spheres are one clump.",
+    )
+
+
+def load_group(data: ReportData, profile: str) -> dict:
+    """Figure 6: the load as the parameters give it, and what runs measured of it."""
+    figures = []
+    if KEY_SCENARIOS:
+        s = load_scenario(KEY_SCENARIOS[0], "full")
+        low, high = (KPA * s[f"loading.stress_{end}"] for end in ("min", "max"))
+        figures.append(
+            stress_figure(
+                data.gallery,
+                s,
+                [run for run in key_runs(data, profile) if run.seed == 1],
+                "figure6",
+                "Figure 6 remade: stress on the sleeper",
+                f"{(high + low) / 2:g} − {(high - low) / 2:g} cos(2π · {s['loading.frequency']:g} Hz · t) kPa: the "
+                "target (broad), and the contact force on the sleeper over its area in the first cycle (first period) "
+                "and the last (third period).",
+            )
+        )
+    return {"title": "Figure 6: the load", "missing": "", "figures": figures}
 
 
 def law_table(data: ReportData, profile: str) -> Table | None:

@@ -91,7 +91,7 @@ def render(
     column = np.rint((seen[:, 0] - view.low[0]) * scale).astype(np.int32)
     row = np.rint((view.high[1] - seen[:, 1]) * scale).astype(np.int32)
     nearest, owner = _depth_buffer(column, row, seen[:, 2] * scale, radius * scale, rows, fine)
-    image = _shade(nearest, owner, column, row, radius * scale, colours, groups)
+    image = _shade(nearest, owner, column, row, radius * scale, colours, groups, _axes(seen / radius, groups))
     for face in faces:
         _blend(image, nearest, face, view, scale)
     return _shrink(image)
@@ -119,8 +119,33 @@ def _depth_buffer(column, row, height, radius, rows, columns):
     return depth[cut].copy(), owner[cut].copy()
 
 
-def _shade(depth, owner, column, row, radius, colours, groups):
-    """RGBA image 0-1 from the buffers: soft light, dark creases between clumps, thin outlines."""
+def _axes(seen: np.ndarray, groups: np.ndarray) -> np.ndarray:
+    """From each sphere's centre half the way to the other one of its clump, in view coordinates; 0 for one alone."""
+    half = np.zeros(seen.shape, np.float32)
+    order = np.argsort(groups, kind="stable")
+    first, second = order[:-1], order[1:]
+    twins = groups[first] == groups[second]
+    half[first[twins]] = (seen[second] - seen[first])[twins] / 2
+    half[second[twins]] = (seen[first] - seen[second])[twins] / 2
+    return half
+
+
+def _joined(normal: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normals (n, 3) that turn smoothly from one sphere of a clump to the other, and how near the joint each is, 0-1.
+
+    axis   half the way to the other sphere, in radii: at the joint the normal is that of a rod
+    """
+    length = np.maximum(np.linalg.norm(axis, axis=1), np.float32(1e-12))
+    unit = axis / length[:, None]
+    along = np.einsum("ij,ij->i", normal, unit)
+    near = np.clip(along / length, 0, 1) * (length > 1e-6)
+    near = near**2 * (3 - 2 * near)
+    mixed = normal - (near * along)[:, None] * unit
+    return mixed / np.maximum(np.linalg.norm(mixed, axis=1), 1e-12)[:, None], near
+
+
+def _shade(depth, owner, column, row, radius, colours, groups, axes):
+    """RGBA image 0-1 from the buffers: soft light, each clump as one body, dark creases and outlines between them."""
     solid = owner >= 0
     if not solid.any():
         return np.zeros((*depth.shape, 4), np.float32)
@@ -129,19 +154,22 @@ def _shade(depth, owner, column, row, radius, colours, groups):
     nx = (at[1] - column[index]).astype(np.float32) / np.float32(radius)
     ny = (row[index] - at[0]).astype(np.float32) / np.float32(radius)
     nz = np.sqrt(np.clip(1 - nx**2 - ny**2, 0, 1))
+    joined, near = _joined(np.column_stack([nx, ny, nz]), axes[index])
+    nx, ny, nz = joined.T
     light = (LIGHT / np.linalg.norm(LIGHT)).astype(np.float32)
     half = light + np.array([0, 0, 1], np.float32)
     half /= np.linalg.norm(half)
     facing = nx * light[0] + ny * light[1] + nz * light[2]
     gloss = np.clip(nx * half[0] + ny * half[1] + nz * half[2], 0, 1) ** 40
-    occlusion = _occlusion(depth, solid, radius)[at]
+    occlusion = _occlusion(depth, solid, radius)[at] * (1 - 0.8 * near)
     shade = (0.50 + 0.50 * (0.5 + 0.5 * facing)) * (0.62 + 0.38 * nz) * np.exp(-0.55 * occlusion)
 
     clump = np.where(solid, groups[owner], -1)
     outline = np.zeros(depth.shape, bool)
     outline[:-1] |= clump[1:] != clump[:-1]
     outline[:, :-1] |= clump[:, 1:] != clump[:, :-1]
-    shade = np.where(outline[at], 0.45 * shade, shade).astype(np.float32)
+    shade = np.where(outline[at], 0.3 * shade, shade).astype(np.float32)
+    shade *= (0.94 + 0.12 * ((groups[index] * 7919) % 11) / 10).astype(np.float32)  # neighbours differ a little
 
     image = np.zeros((*depth.shape, 4), np.float32)
     lit = colours.astype(np.float32)[index] * (1.15 * shade)[:, None] + (0.10 * gloss * shade)[:, None]

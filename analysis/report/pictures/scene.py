@@ -73,6 +73,20 @@ def load_scene(folder: Path, label: str | int = "after") -> Scene:
     )
 
 
+def packed_scene(path: Path, scenario: Scenario) -> Scene:
+    """The bed of a file given by itself, sleeper and plates where they stand after packing. Raises NoBed without it,
+    ViewError where it is damaged.
+    """
+    if not path.exists():
+        raise NoBed(f"{path.name}: is not there")
+    try:
+        bed = beds.read_bed(path)
+    except (OSError, ValueError) as error:
+        raise ViewError(f"{' '.join(str(error).split())}; the bed is not drawn") from None
+    box = derived.apparatus(scenario)
+    return Scene(scenario, "after packing", bed, None, box.sleeper, tuple(box.plates), None)
+
+
 def _bed_file(folder: Path, label: str | int) -> tuple[int | None, Path]:
     """Cycle (None: packed, 0: end of preload) and file of a bed."""
     if label == "packed":
