@@ -9,23 +9,27 @@ import subprocess
 import sys
 import warnings
 import xml.etree.ElementTree as xml
+import zipfile
 from html.parser import HTMLParser
 
 import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 from synthetic import write_run
 
+from analysis.comparison.findings.find import RUNS_FOLDER
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
 from analysis.files import write_csv
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
-from analysis.report import style
-from analysis.report.pictures import render, view
-from analysis.report.pictures.scene import load_scene
+from analysis.report import data_archive, style
+from analysis.report.figures.beds import KEPT_BED
+from analysis.report.pictures import render, turnable, view
+from analysis.report.pictures.scene import kept_cycles, load_scene, packed_scene
 from analysis.report.report_data import is_variant
 from analysis.report.tables import number
 from analysis.scenarios import derived
@@ -223,6 +227,17 @@ def test_overview_opens_with_the_answer_and_folds_what_is_pending(full):
         assert words in says, words
     assert "<details><summary>Pending" in page.text and "settlement-full-linear-mu0.8" in page.text
     assert {"servo.html", "claims.html", "comparison.html", "influence.html", "runs.html"} <= set(page.links)
+
+
+def test_everything_can_be_downloaded_at_once(site):
+    _, out, pages = site
+    assert data_archive.NAME in pages["index.html"].links
+    with zipfile.ZipFile(out / data_archive.NAME) as archive:
+        names = set(archive.namelist())
+        assert {"README.txt", "CITATION.cff", "LICENSE.md", "findings/columns.csv"} <= names
+        assert {f"figures/{p.name}" for p in (out / "figures").glob("*.csv")} <= names
+        columns = archive.read("findings/columns.csv").decode()
+    assert columns.startswith("column,unit,meaning\n")
 
 
 def test_demo_has_a_page_of_its_own_and_says_that_it_answers_nothing(site):
@@ -551,10 +566,13 @@ def test_view_writes_pictures_and_files_for_paraview(tmp_path, capsys):
         "bed_after.png",
         "section_after.png",
         "force_chains_after.png",
+        "bed.webp",
         "spheres_after.vtp",
         "walls_after.vtp",
         "force_chains_after.vtp",
     }
+    moving = Image.open(folder / "view" / "bed.webp")
+    assert moving.n_frames == 1 + len(kept_cycles(folder)), "one at the end of preload, one for each kept cycle"
     root = xml.parse(folder / "view" / "spheres_after.vtp").getroot()
     arrays = {a.get("Name"): a for a in root.iter("DataArray")}
     content = base64.b64decode(arrays["Points"].text)
@@ -563,6 +581,25 @@ def test_view_writes_pictures_and_files_for_paraview(tmp_path, capsys):
     expected = beds.sphere_centres(scene.bed, derived.clump(scene.scenario).half_distance_m)
     assert np.array_equal(np.frombuffer(content[8:], "<f8").reshape(-1, 3), expected)
     assert int(root.find("PolyData/Piece").get("NumberOfPoints")) == len(expected)
+
+
+def test_a_bed_that_can_be_turned_loads_nothing(tmp_path):
+    pytest.importorskip("k3d", reason="k3d, the optional dependency `view`, is not installed")
+    scene = packed_scene(RUNS_FOLDER / KEPT_BED, load_scenario("linear-mu0.8", "full"))
+    path = turnable.write_html(tmp_path / "bed.html", [scene], "a bed")
+    first = path.read_bytes()
+    assert not re.findall(rb"<(?:script|link)[^>]*(?:src|href)=", first)
+    assert turnable.write_html(path, [scene], "a bed").read_bytes() == first
+
+
+def test_spheres_of_a_clump_are_drawn_as_one_body():
+    axis = np.array([[0.0, 0.8, 0.0]])  # up to the joint, in radii
+    at_joint, near = render._joined(np.array([[0.0, 0.8, 0.6]]), axis)
+    assert near == pytest.approx([1]) and np.allclose(at_joint, [[0, 0, 1]]), "as of a rod through both"
+    far, near = render._joined(np.array([[0.0, -0.8, 0.6]]), axis)
+    assert near == pytest.approx([0]) and np.allclose(far, [[0, -0.8, 0.6]]), "its own on the side away"
+    alone, _ = render._joined(np.array([[0.0, 0.8, 0.6]]), np.zeros((1, 3)))
+    assert np.allclose(alone, [[0, 0.8, 0.6]])
 
 
 def test_view_of_a_run_that_is_not_there(tmp_path, capsys):

@@ -34,21 +34,28 @@ def git_state() -> dict:
     A copy without its own repository, perhaps unpacked inside another one, is known by its release only.
     """
 
-    def ask(*words: str) -> str | None:
-        # The folder may belong to somebody else, as under sudo; and a hook may have named another repository.
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-        command = ["git", "-c", f"safe.directory={ROOT}", "-C", str(ROOT), *words]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-        except OSError:
-            return None
-        return done.stdout.rstrip("\n") if done.returncode == 0 else None
-
-    top = ask("rev-parse", "--show-toplevel")
-    commit = ask("rev-parse", "HEAD") if top and Path(top).resolve() == ROOT else None
+    top = _git("rev-parse", "--show-toplevel")
+    commit = _git("rev-parse", "HEAD") if top and Path(top).resolve() == ROOT else None
     if not commit:
         return {"git_commit": f"unknown (release {metadata.version('ballast-analysis')})", "git_dirty": None}
-    return {"git_commit": commit, "git_dirty": bool(ask("status", "--porcelain", "--untracked-files=no"))}
+    return {"git_commit": commit, "git_dirty": bool(_git("status", "--porcelain", "--untracked-files=no"))}
+
+
+def commit_date(commit: str) -> str:
+    """The day of a commit, YYYY-MM-DD; empty where it is not known."""
+    return (_git("show", "--no-patch", "--format=%cs", commit) or "") if len(commit) == 40 else ""
+
+
+def _git(*words: str) -> str | None:
+    """What git says of this repository; None where it fails."""
+    # The folder may belong to somebody else, as under sudo; and a hook may have named another repository.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    command = ["git", "-c", f"safe.directory={ROOT}", "-C", str(ROOT), *words]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    except OSError:
+        return None
+    return done.stdout.rstrip("\n") if done.returncode == 0 else None
 
 
 def short_commit(commit: str) -> str:

@@ -21,8 +21,9 @@ from analysis.files import ROOT, write_aside
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
-from analysis.report import style
+from analysis.report import data_archive, style
 from analysis.report.figure import Gallery
+from analysis.report.figures.beds import kept_scene
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.benchmark import benchmark_page
 from analysis.report.pages.claims import claims_page
@@ -35,12 +36,14 @@ from analysis.report.pages.runs import runs_page
 from analysis.report.pages.servo import servo_page
 from analysis.report.pages.timestep import timestep_page
 from analysis.report.pages.verification import verification
+from analysis.report.pictures import turnable
 from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
 from analysis.report.sentences import TEMPLATES, environment
 from analysis.scenarios.scenario import ScenarioError
 
 KEPT_RUNS = REFERENCE_FOLDER / "runs"
 FIGURES, TABLES = "hover.js", "sort.js"
+TURNABLE = "bed-3d.html"
 
 
 @dataclass(frozen=True)
@@ -126,12 +129,24 @@ def build(
         kept_runs,
     )
     with style.settings():
+        write_turnable(data, out)
         write_pages(data, out, stamp)
     data.findings.write(out / "findings")
     for path in (out / "figures").iterdir():
         if path.stem not in {panel.name for figure in gallery.figures for panel in figure.panels}:
             path.unlink()  # of a figure that this report no longer has
+    data_archive.write(out)
     return data
+
+
+def write_turnable(data: ReportData, out: Path) -> None:
+    """The bed that can be turned, where k3d is installed and the bed is kept; an older one is removed."""
+    path = out / TURNABLE
+    path.unlink(missing_ok=True)
+    scene = kept_scene(data.gallery, data.kept) if turnable.available() else None
+    if scene:
+        turnable.write_html(path, [scene], "The packed bed")
+        data.turnable = TURNABLE
 
 
 def _order() -> Callable[[Run], tuple]:
@@ -148,11 +163,10 @@ def _order() -> Callable[[Run], tuple]:
 def version_stamp() -> str:
     """Version of the analysis and commit of the working tree, as it stands under every figure."""
     git = provenance.git_state()
+    day = provenance.commit_date(git["git_commit"])
     commit = (
-        f", commit {provenance.short_commit(git['git_commit'])}"
+        f", commit {provenance.short_commit(git['git_commit'])}{f' of {day}' if day else ''}"
         f"{' with uncommitted changes' if git['git_dirty'] else ''}"
-        if git["git_commit"]
-        else ""
     )
     return f"ballast-analysis {metadata.version('ballast-analysis')}{commit}"
 

@@ -52,6 +52,8 @@ class ReportData:
     results: str
     kept: Path = RUNS_FOLDER
     """Where runs and the tables of studies are kept."""
+    turnable: str = ""
+    """File of the bed that can be turned; empty without."""
 
     @cached_property
     def findings(self) -> Findings:

@@ -8,27 +8,36 @@ from pathlib import Path
 from analysis.normalised.readers import Run
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import short_name
-from analysis.report.pictures.panels import bed_panel, chain_panel
+from analysis.report.pictures.panels import ASKEW, bed_panel, chain_panel
 from analysis.report.pictures.scene import NoBed, Scene, ViewError, last_with_contacts, load_scene, packed_scene
+from analysis.report.report_data import KEY_SCENARIOS
 from analysis.report.style import CODE_NAMES, Canvas
-from analysis.scenarios.scenario import Scenario
+from analysis.scenarios.scenario import load_scenario
 
-VIEW = {"azimuth_deg": -28, "elevation_deg": 20, "pixels": 1200}
+KEPT_BED = Path("beds") / "liggghts-seed1.csv.gz"
+"""The full bed that is kept in the repository, below the folder of kept runs."""
 
 
-def kept_bed_figure(g: Gallery, path: Path, s: Scenario, name: str, title: str, caption: str) -> Figure | None:
-    """A packed bed kept in the repository as a picture; None where it is not there."""
+def kept_scene(g: Gallery, kept: Path) -> Scene | None:
+    """The full bed that is kept in the repository; None where it is not there."""
+    if not KEY_SCENARIOS:
+        return None
     try:
-        scene = packed_scene(path, s)
+        return packed_scene(kept / KEPT_BED, load_scenario(KEY_SCENARIOS[0], "full"))
     except ViewError as error:
         if not isinstance(error, NoBed):
             g.complain(str(error))
         return None
-    return g.finish(name, title, caption, [_bed_panel(scene, name, scene.title)], [], layout="picture")
+
+
+def kept_bed_figure(g: Gallery, kept: Path, name: str, title: str, caption: str) -> Figure | None:
+    """That bed as a picture."""
+    scene = kept_scene(g, kept)
+    return scene and g.finish(name, title, caption, [_bed_panel(scene, name, scene.title)], [], layout="picture")
 
 
 def _bed_panel(scene: Scene, name: str, heading: str) -> Canvas:
-    return bed_panel(scene, name, heading, **VIEW)
+    return bed_panel(scene, name, heading, **ASKEW, pixels=1200)
 
 
 def bed_figure(

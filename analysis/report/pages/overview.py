@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import re
+from pathlib import Path
+
 from analysis.comparison.quantities import last_cycle
-from analysis.report import tiles
+from analysis.files import ROOT
+from analysis.report import data_archive, tiles
 from analysis.report.answer import answer
 from analysis.report.figures.beds import bed_figure
 from analysis.report.figures.overview import both_readings_figure, sketch_figure
@@ -12,6 +17,7 @@ from analysis.report.sentences import lines
 from analysis.scenarios.scenario import load_scenario
 
 PROFILE = "full"
+MOVING = "bed.webp"
 
 
 def overview(data: ReportData) -> dict:
@@ -40,7 +46,31 @@ def overview(data: ReportData) -> dict:
         "results": data.results,
         "runs": len(data.runs),
         "problems": data.problems,
+        "moving": moving_picture(data.kept / MOVING),
+        "turnable": data.turnable,
+        "archive": data_archive.NAME,
+        "citation": citation(),
+        "versions": engine_versions(data),
     }
+
+
+def moving_picture(path: Path) -> str:
+    """The moving picture kept in the repository as a data URI; empty where it is not there."""
+    return "data:image/webp;base64," + base64.b64encode(path.read_bytes()).decode() if path.exists() else ""
+
+
+def citation() -> str:
+    """Authors and title of CITATION.cff."""
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    title = re.search(r'^title: "(.*)"$', text, re.M)
+    author = re.search(r"^ {2}- name: (.*)$", text, re.M)
+    return ". ".join(found.group(1) for found in (author, title) if found) + "."
+
+
+def engine_versions(data: ReportData) -> list[str]:
+    """The engines that made the runs, with their versions."""
+    found = {run.info.get("versions", {}).get("engine", "") for run in (*data.runs, *data.variants)}
+    return sorted(found - {""})
 
 
 def bed_picture(data: ReportData):

@@ -11,7 +11,7 @@ from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run, Runs
 from analysis.report.figure import Figure, Gallery, family_of
-from analysis.report.figures.beds import bed_figure, kept_bed_figure
+from analysis.report.figures.beds import KEPT_BED, bed_figure, kept_bed_figure
 from analysis.report.figures.lateral import PROFILE_CYCLES, lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure, sphere_figure
@@ -99,7 +99,6 @@ def paper_figures(data: ReportData) -> dict:
     }
 
 
-KEPT_BED = "liggghts-seed1.csv.gz"
 WAITS = "It appears as soon as a run of one of its scenarios has finished a cycle."
 SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
 
@@ -235,7 +234,15 @@ def bed_group(data: ReportData, profile: str) -> dict:
         "title": "Figure 5: the bed",
         "missing": "It needs a run whose beds are on this machine, or a bed in reference_data/runs/beds.",
         "figures": [
-            drawn or kept_bed(data),
+            drawn
+            or kept_bed_figure(
+                g,
+                data.kept,
+                "figure5",
+                "Figure 5 remade: the full bed after packing, before preload",
+                f"Packed by LIGGGHTS with seed 1 (reference_data/runs/{KEPT_BED}); cut open along the middle of the "
+                "sleeper, which is drawn as glass. Two joined spheres are one clump.",
+            ),
             bed_figure(
                 g,
                 candidates,
@@ -248,21 +255,6 @@ def bed_group(data: ReportData, profile: str) -> dict:
             ),
         ],
     }
-
-
-def kept_bed(data: ReportData) -> Figure | None:
-    """The full bed that is kept in the repository."""
-    if not KEY_SCENARIOS:
-        return None
-    return kept_bed_figure(
-        data.gallery,
-        data.kept / "beds" / KEPT_BED,
-        load_scenario(KEY_SCENARIOS[0], "full"),
-        "figure5",
-        "Figure 5 remade: the full bed after packing, before preload",
-        f"Packed by LIGGGHTS with seed 1 (reference_data/runs/beds/{KEPT_BED}); cut open along the middle of the "
-        "sleeper, which is drawn as glass. Two joined spheres are one clump.",
-    )
 
 
 def load_group(data: ReportData, profile: str) -> dict:

@@ -27,6 +27,9 @@ PICTURE_WIDTH = 1600
 CUT_FROM_WIDTH_M = 0.25
 """Beds at least this wide are cut open along the sleeper; a narrow slice is drawn whole."""
 
+ASKEW = {"azimuth_deg": -28, "elevation_deg": 20}
+"""A view that shows the cut, the top and the plates."""
+
 MOST_HEIGHT = 1.5
 """What flies higher than this many heights of the sleeper's top is cut off the picture."""
 
@@ -36,54 +39,71 @@ def is_cut(scene: Scene) -> bool:
     return scene.box.width_m >= CUT_FROM_WIDTH_M
 
 
-def picture(
-    scene: Scene,
-    *,
-    azimuth_deg: float = 0.0,
-    elevation_deg: float = 0.0,
-    width: int = PICTURE_WIDTH,
-    pale: bool = False,
-) -> tuple[np.ndarray, render.Camera, float]:
-    """The bed, cut open along the sleeper: (RGBA picture, camera, displacement at full colour in m or nan).
+def _front(scene: Scene) -> float:
+    """y of the cut, m."""
+    return scene.box.width_m / 2 if is_cut(scene) else 0.0
 
-    Clumps whose centre lies before the cut are left out. `pale` draws uncoloured stone, as a backdrop.
-    """
-    box, clump = scene.box, derived.clump(scene.scenario)
-    front = box.width_m / 2 if is_cut(scene) else 0.0
-    behind = beds.positions(scene.bed)[:, 1] >= front
-    bed = scene.bed[behind]
-    colours, top = STONE[bed["id"].to_numpy() % len(STONE)], float("nan")
-    if scene.moved_m is not None and not pale:
-        length = np.linalg.norm(scene.moved_m, axis=1)
-        top = float(np.nanquantile(length, 0.99)) if np.isfinite(length).any() else float("nan")
-        if top > 0:
-            colours = np.where(
-                np.isfinite(length[behind])[:, None], MOVED(np.nan_to_num(length[behind] / top))[:, :3], colours
-            )
-    blocks = [scene.sleeper, *scene.plates]
+
+def _shown(scene: Scene) -> np.ndarray:
+    """Which clumps are drawn: those whose centre lies behind the cut."""
+    return beds.positions(scene.bed)[:, 1] >= _front(scene)
+
+
+def full_colour(scene: Scene) -> float:
+    """Displacement at full colour, m; nan where none is known."""
+    if scene.moved_m is None:
+        return float("nan")
+    length = np.linalg.norm(scene.moved_m, axis=1)
+    return float(np.nanquantile(length, 0.99)) if np.isfinite(length).any() else float("nan")
+
+
+def colours_of(scene: Scene, top: float) -> np.ndarray:
+    """RGB 0-1 of each clump: by its displacement, full at `top` m, or of stone where that is not known."""
+    colours = STONE[scene.bed["id"].to_numpy() % len(STONE)]
+    if scene.moved_m is None or not top > 0:
+        return colours
+    length = np.linalg.norm(scene.moved_m, axis=1)
+    return np.where(np.isfinite(length)[:, None], MOVED(np.nan_to_num(length / top))[:, :3], colours)
+
+
+def camera_of(scene: Scene, azimuth_deg: float = 0.0, elevation_deg: float = 0.0) -> render.Camera:
+    """A camera that shows box, sleeper and clumps."""
+    clump = derived.clump(scene.scenario)
     corners = np.array(
         [
             [x, y, z]
             for x in (0, max(p.high[0] for p in scene.plates))
-            for y in (front, box.width_m)
+            for y in (_front(scene), scene.box.width_m)
             for z in (0, scene.sleeper.high[2])
         ]
     )
-    crowns = beds.positions(bed) + [
+    crowns = beds.positions(scene.bed)[_shown(scene)] + [
         0,
         0,
         clump.radius_m + clump.half_distance_m,
     ]  # also of clumps thrown out of the cribs
     crowns[:, 2] = np.minimum(crowns[:, 2], MOST_HEIGHT * scene.sleeper.high[2])
-    view = render.camera(np.vstack([corners, crowns]), azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
+    return render.camera(np.vstack([corners, crowns]), azimuth_deg, elevation_deg, margin_m=0.6 * clump.radius_m)
+
+
+def picture(
+    scene: Scene, view: render.Camera, top: float = float("nan"), width: int = PICTURE_WIDTH, pale: bool = False
+) -> np.ndarray:
+    """The bed, cut open along the sleeper, as an RGBA picture.
+
+    Clumps whose centre lies before the cut are left out. `top` is the displacement (m) at full colour; `pale` draws
+    uncoloured stone without sleeper and plates, as a backdrop.
+    """
+    clump, shown = derived.clump(scene.scenario), _shown(scene)
+    bed, colours = scene.bed[shown], colours_of(scene, float("nan") if pale else top)[shown]
     faces = [
         face
-        for block in blocks
+        for block in (scene.sleeper, *scene.plates)
         for face in render.box_faces(
-            (block.low[0], max(front, block.low[1]), block.low[2]), block.high, view, STEEL, opacity=0.30
+            (block.low[0], max(_front(scene), block.low[1]), block.low[2]), block.high, view, STEEL, opacity=0.30
         )
     ]
-    image = render.render(
+    return render.render(
         beds.sphere_centres(bed, clump.half_distance_m),
         clump.radius_m,
         np.repeat(colours, 2, axis=0),
@@ -92,7 +112,6 @@ def picture(
         width,
         [] if pale else faces,
     )
-    return image, view, top
 
 
 def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title: str) -> style.Canvas:
@@ -136,7 +155,8 @@ def bed_panel(
     pixels: int = PICTURE_WIDTH,
 ) -> style.Canvas:
     """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
-    image, view, top = picture(scene, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width=pixels)
+    view, top = camera_of(scene, azimuth_deg, elevation_deg), full_colour(scene)
+    image = picture(scene, view, top, pixels)
     foot = 0.5
     alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
     c = _picture_canvas(name, alt, view, foot, title)
@@ -178,7 +198,8 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
     lines, force = lines[near], force[near]
     if not len(force):
         return None
-    image, view, _ = picture(scene, pale=True, width=PICTURE_WIDTH // 2)
+    view = camera_of(scene)
+    image = picture(scene, view, width=PICTURE_WIDTH // 2, pale=True)
     image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
     foot = 0.5
     c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)

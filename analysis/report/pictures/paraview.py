@@ -12,6 +12,7 @@ import numpy as np
 from analysis.files import write_aside
 from analysis.normalised import beds
 from analysis.report.pictures.scene import Scene, chain_lines
+from analysis.report.pictures.turnable import SIDES
 from analysis.scenarios import derived
 
 
@@ -70,10 +71,7 @@ def write_paraview(scene: Scene, folder: Path, label: str) -> list[Path]:
     points, quads, names = [], [], []
     for number, block in enumerate((scene.sleeper, *scene.plates)):
         corners = [[(block.low, block.high)[b][a] for a, b in enumerate(bits)] for bits in np.ndindex(2, 2, 2)]
-        quads += [
-            [8 * number + n for n in side]
-            for side in ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
-        ]
+        quads += [[8 * number + n for n in side] for side in SIDES]
         names += [number] * 6
         points += corners
     walls = folder / f"walls_{label}.vtp"

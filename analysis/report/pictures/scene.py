@@ -105,8 +105,13 @@ def _bed_file(folder: Path, label: str | int) -> tuple[int | None, Path]:
 
 def last_with_contacts(folder: Path) -> int | None:
     """The last cycle whose bed and contacts are both there."""
-    both = set(_kept(folder, "bed")) & set(_kept(folder, "contacts")) & set(_cycles(folder).index)
-    return max(both, default=None)
+    return max(set(kept_cycles(folder)) & set(_kept(folder, "contacts")), default=None)
+
+
+def kept_cycles(folder: Path) -> list[int]:
+    """The finished cycles whose beds are there, in order."""
+    done = set(_cycles(folder).index)
+    return [cycle for cycle in _kept(folder, "bed") if cycle in done]
 
 
 def _kept(folder: Path, what: str) -> list[int]:

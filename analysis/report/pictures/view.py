@@ -1,4 +1,6 @@
-"""`ballast view SCENARIO --code CODE`: pictures of a bed as PNG, and VTP files for ParaView."""
+"""`ballast view SCENARIO --code CODE`: pictures of a bed as PNG, its cycles as a moving picture, one that
+can be turned where k3d is installed, and VTP files for ParaView.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,12 @@ from analysis.arguments import Parser
 from analysis.driver.engines import CODES
 from analysis.driver.folder import run_folder
 from analysis.report import style
-from analysis.report.pictures.panels import bed_panel, chain_panel
+from analysis.report.labels import short_name
+from analysis.report.pictures import animation, turnable
+from analysis.report.pictures.panels import ASKEW, bed_panel, chain_panel
 from analysis.report.pictures.paraview import write_paraview
-from analysis.report.pictures.scene import ViewError, last_with_contacts, load_scene
+from analysis.report.pictures.scene import ViewError, kept_cycles, last_with_contacts, load_scene
+from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import join_id, split_id
 
 
@@ -35,8 +40,20 @@ def main(argv: list[str]) -> int:
     if not written:
         print(f"view: {run}/{reason}", file=sys.stderr)
         return 1
+    written += _write_cycles(run, f"{short_name(identity)}, {CODE_NAMES[options.code]}")
     print("\n".join(str(path) for path in written))
+    if not turnable.available():
+        print("view: a bed that can be turned needs k3d: .venv/bin/pip install -e '.[view]'", file=sys.stderr)
     return 0
+
+
+def _write_cycles(run: Path, title: str) -> list[Path]:
+    """The bed through its kept cycles: bed.webp, and bed-3d.html where k3d is installed; nothing without a cycle."""
+    if not kept_cycles(run):
+        return []
+    scenes = animation.load_scenes(run)
+    paths = [animation.write(run / "view" / "bed.webp", animation.frames(scenes, title))]
+    return paths + ([turnable.write_html(run / "view" / "bed-3d.html", scenes, title)] if turnable.available() else [])
 
 
 def _write_view(run: Path, label: str, name: str) -> list[Path]:
@@ -46,7 +63,7 @@ def _write_view(run: Path, label: str, name: str) -> list[Path]:
     folder.mkdir(exist_ok=True)
     with style.settings():
         drawings = [
-            bed_panel(scene, f"bed_{label}", azimuth_deg=-28, elevation_deg=20),
+            bed_panel(scene, f"bed_{label}", **ASKEW),
             bed_panel(scene, f"section_{label}"),
             chain_panel(load_scene(run, chained) if chained else scene, f"force_chains_{label}"),
         ]
