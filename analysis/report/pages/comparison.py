@@ -9,7 +9,7 @@ import pandas as pd
 
 from analysis.comparison import codes, quantities, same_bed
 from analysis.comparison.findings.agreement import COMPARED
-from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, member
+from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD, member
 from analysis.formats.numbers import plural
 from analysis.report.agreement_tables import agreement_table, same_bed_table
 from analysis.report.answer import engineer, only, states
@@ -35,7 +35,7 @@ def comparison(data: ReportData) -> dict:
         "profile": profile,
         "states": states(agreement),
         "scatter": scatter_figure(g, agreement, "agreement-all"),
-        "time_steps": time_steps(m.run for m in found.members if m.plain and m.run.profile == profile),
+        "time_steps": time_steps(run for run in few if member(run).reading == TRUE_LOAD),
         "agreement": agreement_table(agreement),
         "every_agreement": agreement_table(agreement, COMPARED, all_cycles=True),
         "lateral": lateral_table(data, profile),
