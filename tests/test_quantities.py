@@ -9,8 +9,8 @@ from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, se
 
 from analysis import load_runs
 from analysis.comparison import against_published, codes, quantities
-from analysis.formats.quantities import QUANTITIES
 from analysis.driver.keep import keep
+from analysis.formats.quantities import QUANTITIES
 from analysis.reference.curves import References
 from analysis.scenarios import derived
 
