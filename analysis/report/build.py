@@ -196,15 +196,21 @@ def write_pages(data: ReportData, out: Path, stamp: str) -> None:
             scripts=[(TEMPLATES / name).read_text() for name in page.scripts],
             **contents[page],
         )
-        write_aside(out / page.file, with_contents(text) + "\n")
+        write_aside(out / page.file, numbered(with_contents(text)) + "\n")
     for page in PAGES:
         if page not in shown:
             (out / page.file).unlink(missing_ok=True)
 
 
+def numbered(text: str) -> str:
+    """The page with the number of each table in its id and in the link to it."""
+    parts = text.split("table-@")
+    return parts[0] + "".join(f"table-{1 + n // 2}{part}" for n, part in enumerate(parts[1:]))
+
+
 def with_contents(text: str) -> str:
     """The page with a list of its sections where it asks for one."""
-    sections = re.findall(r'<h2 id="([^"]+)">(.*?) <a ', text)
+    sections = re.findall(r'<h2 id="([^"]+)"(?: class="numbered")?>(.*?) <a ', text)
     entries = "".join(f'<li><a href="#{name}">{title}</a></li>' for name, title in sections)
     listed = f'<nav class="toc" aria-label="On this page"><ul>{entries}</ul></nav>' if len(sections) > 2 else ""
     return text.replace("<!-- contents -->", listed)

@@ -195,7 +195,7 @@ def pending_mark(c: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None =
             1.02,
             "reference curves pending" if drawn is None or not len(drawn) else "some reference curves pending",
             transform=c.axes.transAxes,
-            fontsize=7.5,
+            fontsize=style.SMALL,
             color=SOFT,
             ha="right",
             va="bottom",

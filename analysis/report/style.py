@@ -43,8 +43,11 @@ CODE_NAMES = {"liggghts": "LIGGGHTS", "yade": "YADE"}
 CODE_SIGNS = {"liggghts": "●", "yade": "□"}
 OTHER_STYLE = {"linestyle": (0, (1, 1.2)), "marker": "D"}
 
-PANEL_WIDTH, PANEL_HEIGHT = 4.7, 3.35
-"""Inches. A panel is legible on a phone at full width; pages set panels side by side where there is room."""
+PANEL_WIDTH, PANEL_HEIGHT = 4.1, 3.0
+"""Inches. On a phone of 390 points a panel is drawn 1.2 times as large: its smallest text, SMALL points, has 10 pixels.
+Pages set panels side by side where there is room.
+"""
+SMALL = 8.5
 STAMP_HEIGHT = 0.30
 LOOK = Path(__file__).with_name("report.mplstyle")
 
@@ -60,6 +63,33 @@ def shade(family: str, level: float = 0.0) -> str:
     1).
     """
     return _SHADES.setdefault((family, round(level, 3)), _twin(family, level))[0]
+
+
+LEAST_CONTRAST = 4.5
+"""Of text with the page: WCAG 2, level AA."""
+
+
+def text_colour(colour: str) -> str:
+    """The colour of a curve for its name: the same hue, deepened until it can be read on a light page."""
+    known = next((key for key, (light, _) in _SHADES.items() if light == colour), None)
+    if known is None:
+        return colour
+    family, level = known
+    while contrast(shade(family, level), PAPER) < LEAST_CONTRAST and level < 1:
+        level = round(level + 0.1, 3)
+    return shade(family, level)
+
+
+def contrast(one: str, other: str) -> float:
+    """Contrast of two colours #rrggbb, 1 to 21, as WCAG 2 defines it."""
+
+    def luminance(colour: str) -> float:
+        parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+        linear = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in parts]
+        return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
+
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
 
 
 _SHADES: dict[tuple[str, float], tuple[str, str]] = {}
@@ -136,13 +166,14 @@ def canvas(
     return Canvas(name, alt, figure, axes)
 
 
-def end_labels(c: Canvas, size: float = 8.0) -> None:
+def end_labels(c: Canvas, size: float = SMALL) -> None:
     """Write the collected labels (x, y, text, colour) right of the axes, moved apart vertically where they would
     touch.
     """
     if not c.labels:
         return
     _make_room(c, size)
+    c.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in c.labels]
     axes, height = c.axes, c.axes.get_window_extent().height
     step = size * 1.25 * c.figure.dpi / 72
     if not c.leaders:
@@ -266,7 +297,23 @@ def save(c: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Pane
     backdrop = '<rect width="100%" height="100%" fill="#ffffff"/>'
     (folder / f"{c.name}.svg").write_text(re.sub(r"(<svg[^>]*>)", lambda m: m.group(1) + backdrop, text, count=1))
     c.table.to_csv(folder / f"{c.name}.csv", index=False, float_format="%.9g", lineterminator="\n")
-    return Panel(c.name, c.alt, _inline(text, c, height), hover)
+    return Panel(c.name, alt_text(c), _inline(text, c, height), hover)
+
+
+TOLD = 6
+"""Curves whose ends an alternative text tells."""
+
+
+def alt_text(c: Canvas) -> str:
+    """What the panel shows, and where its curves end."""
+    ends = []
+    for series in c.series[:TOLD]:
+        at = [(x, y) for x, y in zip(series["x"], series["y"], strict=True) if y is not None]
+        if at:
+            ends.append(
+                f"{series['label']} {at[-1][1]:.3g} {c.hover_unit} at {c.hover_x} {at[-1][0]:g}".replace("  ", " ")
+            )
+    return c.alt + (f". Ends: {'; '.join(ends)}" if ends else "")
 
 
 def _hover(c: Canvas, height: float) -> dict | None:
@@ -297,7 +344,7 @@ def _inline(text: str, c: Canvas, height: float) -> str:
     svg = re.sub(r' id="(?!m[0-9a-f]{6}|p[0-9a-f]{6}|image|C[0-9a-f]{0,3}_|h[0-9a-f]{6})[^"]*"', "", svg)
     width, total = c.figure.get_size_inches() * 72
     shown = (height - STAMP_HEIGHT) * 72
-    label = c.alt.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+    label = alt_text(c).replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     svg = re.sub(
         r"<svg[^>]*>",
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '

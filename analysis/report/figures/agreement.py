@@ -25,10 +25,10 @@ def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | N
         return None
     c = style.canvas(
         name,
-        "LIGGGHTS over YADE for every compared quantity, scenario and cycle, with 95 % intervals",
-        width=6.4,
-        height=3.6,
-        right=1.5,
+        f"LIGGGHTS over YADE for every compared quantity, scenario and cycle, with 95 % intervals: {_counted(rows)}",
+        width=5.0,
+        height=3.2,
+        right=1.3,
     )
     at = 0
     ticks, labels = [], []
@@ -73,6 +73,12 @@ def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | N
         [c],
         [],
     )
+
+
+def _counted(rows: pd.DataFrame) -> str:
+    """How many of the marks lie where."""
+    size = rows["difference_ratio"].abs()
+    return f"{int((size <= AGREES_WITHIN).sum())} of {int(size.notna().sum())} lie within {100 * AGREES_WITHIN:g} %"
 
 
 def _ratio_of(difference):

@@ -51,7 +51,7 @@ def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canv
             xytext=(6, 0),
             textcoords="offset points",
             va="center",
-            fontsize=8,
+            fontsize=style.SMALL,
             color=colour,
         )
     c.axes.plot(REPORTED_CLUMPS, REPORTED_POROSITY, "+", color=INK, markersize=13, markeredgewidth=1.6)
@@ -61,7 +61,7 @@ def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canv
         xytext=(-8, 5),
         textcoords="offset points",
         ha="right",
-        fontsize=8,
+        fontsize=style.SMALL,
         color=INK,
     )
     c.axes.axvspan(0.98 * REPORTED_CLUMPS, 1.02 * REPORTED_CLUMPS, color=SOFT, alpha=0.12, linewidth=0)

@@ -28,7 +28,7 @@ def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) 
             height=0.9 + 0.24 * len(part),
             left=1.75,
             right=0.75,
-            width=5.4,
+            width=4.8,
         )
         scatter = part["scatter_ratio"].dropna()
         if len(scatter):
@@ -45,7 +45,7 @@ def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) 
                 textcoords="offset points",
                 va="center",
                 ha=side,
-                fontsize=7.5,
+                fontsize=style.SMALL,
             )
         c.axes.set_yticks(range(len(part)), [variant_name(v) for v in part["variant"]])
         c.axes.axvline(0, color=SOFT, linewidth=0.8)

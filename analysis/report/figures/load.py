@@ -40,7 +40,7 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
             0.015,
             limit,
             text,
-            fontsize=7,
+            fontsize=style.SMALL,
             color=SOFT,
             va="bottom",
             ha="left",
@@ -166,7 +166,7 @@ def loop_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption:
                         (MM * end["settlement_m"], KPA * end["sleeper_stress_Pa"]),
                         (0, 4),
                         textcoords="offset points",
-                        fontsize=7.5,
+                        fontsize=style.SMALL,
                         color=curve.colour,
                         ha="center",
                     )

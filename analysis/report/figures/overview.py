@@ -46,10 +46,10 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
         ax.add_patch(
             Circle((x, z), box.measurement_radius_m, fill=False, edgecolor=style.shade("linear"), linewidth=1.2)
         )
-        ax.text(x, z, str(k + 1), ha="center", va="center", fontsize=9, color=style.shade("linear"), weight="bold")
+        ax.text(x, z, str(k + 1), ha="center", va="center", fontsize=10.6, color=style.shade("linear"), weight="bold")
     bottom, top = box.sleeper.low, box.sleeper.high
     ax.add_patch(Rectangle((0, bottom[2]), top[0], top[2] - bottom[2], facecolor="#c9ced4", edgecolor=INK, linewidth=1))
-    ax.text(top[0] / 2, (bottom[2] + top[2]) / 2, "sleeper, moves vertically", ha="center", va="center", fontsize=9)
+    ax.text(top[0] / 2, (bottom[2] + top[2]) / 2, "sleeper, moves vertically", ha="center", va="center", fontsize=10.6)
     _load(ax, top, low, high, frequency)
     for number, plate in enumerate(box.plates, start=1):
         middle = (plate.low[2] + plate.high[2]) / 2
@@ -60,16 +60,16 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
             (box.length_m + 0.075, middle),
             arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 1},
         )
-        ax.text(box.length_m + 0.082, middle, str(number), va="center", fontsize=8.5)
+        ax.text(box.length_m + 0.082, middle, str(number), va="center", fontsize=10.6)
     ax.text(
         box.length_m + 0.012,
         -0.018,
         f"plates, {KPA * s['preload.plate_stress']:g} kPa each",
-        fontsize=8.5,
+        fontsize=10.6,
         ha="center",
         va="top",
     )
-    ax.text(0.0, -0.018, "1 to 3: porosity is measured here", fontsize=8.5, color=style.shade("linear"), va="top")
+    ax.text(0.0, -0.018, "1 to 3: porosity is measured here", fontsize=10.6, color=style.shade("linear"), va="top")
     ax.set(xlim=(-0.03, box.length_m + 0.13), ylim=(-0.06, top[2] + 0.2), aspect="equal")
     ax.set_axis_off()
     c.table = pd.DataFrame(
@@ -122,8 +122,8 @@ def _load(ax, top, low: float, high: float, frequency: float) -> None:
     t = np.linspace(0, 3, 200)
     ax.plot(middle + 0.06 + 0.08 * t, top[2] + 0.06 - 0.035 * np.cos(2 * np.pi * t), color=colour, linewidth=1.4)
     words = f"{low:.3g} to {high:.3g} kN"
-    ax.text(middle - 0.04, top[2] + 0.075, words, ha="right", va="center", fontsize=9.5, weight="bold")
-    ax.text(middle + 0.06, top[2] + 0.125, f"{frequency:g} Hz", ha="left", va="center", fontsize=9)
+    ax.text(middle - 0.04, top[2] + 0.075, words, ha="right", va="center", fontsize=10.6, weight="bold")
+    ax.text(middle + 0.06, top[2] + 0.125, f"{frequency:g} Hz", ha="left", va="center", fontsize=10.6)
 
 
 def both_readings_figure(
@@ -135,7 +135,7 @@ def both_readings_figure(
         found = [m for m in members if m.plain and m.scenario == scenario]
         if not found:
             continue
-        c = style.canvas(f"{name}-{scenario}", _alt(found, scenario), width=5.6, height=3.7)
+        c = style.canvas(f"{name}-{scenario}", _alt(found, scenario), width=4.5, height=3.1)
         curves_here = []
         for reading in READINGS:
             for curve in g.curves(m.run for m in found if m.reading == reading):

@@ -78,8 +78,8 @@ def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
     c = style.canvas(
         "figure13a-spheres",
         "Measurement spheres under the sleeper, side view",
-        width=4.7,
-        height=3.0,
+        width=4.1,
+        height=2.7,
         left=0.62,
         right=0.2,
     )
@@ -100,7 +100,11 @@ def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
             )
         )
         c.axes.text(
-            MM * plate.low[0] + 34, MM * (plate.low[2] + plate.high[2]) / 2, str(number), va="center", fontsize=8
+            MM * plate.low[0] + 34,
+            MM * (plate.low[2] + plate.high[2]) / 2,
+            str(number),
+            va="center",
+            fontsize=style.SMALL,
         )
     for k, (x, _, z) in enumerate(box.measurement_centres_m):
         colour = style.shade("linear", k - 1.0)

@@ -37,7 +37,7 @@ def restitution_figure(g: Gallery) -> Figure:
         )
     factor.axes.set(xlabel="nominal restitution eₙ", ylabel="damping factor D", xlim=(0, 1), ylim=(0, 6))
     effect.axes.plot([0, 1], [0, 1], color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)))
-    effect.axes.text(0.46, 0.40, "out = in", color=SOFT, fontsize=7.5, rotation=33, rotation_mode="anchor")
+    effect.axes.text(0.46, 0.40, "out = in", color=SOFT, fontsize=style.SMALL, rotation=33, rotation_mode="anchor")
     effect.axes.set(xlabel="nominal restitution eₙ", ylabel="restitution of a free impact", xlim=(0, 1), ylim=(0, 1.02))
     factor.table = effect.table = pd.concat(rows, ignore_index=True)
     return g.finish(

@@ -76,7 +76,7 @@ def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         height=0.9 + 0.2 * len(rows),
         left=2.5,
         right=0.2,
-        width=6.4,
+        width=5.2,
     )
     for n, row in enumerate(rows.itertuples()):
         hue = MARKS[row.law][0]
@@ -91,7 +91,7 @@ def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         f"{short_name('+'.join((r.scenario, *filter(None, [r.variant]))))} {style.CODE_SIGNS[r.code]}"
         for r in rows.itertuples()
     ]
-    c.axes.set_yticks(range(len(rows)), names, fontsize=7.5)
+    c.axes.set_yticks(range(len(rows)), names, fontsize=style.SMALL)
     for stress in (50, 460):
         c.axes.axvline(stress, color=SOFT, linewidth=1, linestyle=(0, (3, 2)))
     c.axes.set(xlabel="stress on the sleeper, kPa", xlim=(0, 480), ylim=(-0.8, len(rows) - 0.2))

@@ -63,7 +63,7 @@ def card(number: int, found: list) -> dict:
     """One claim: sentence, verdicts, criterion, and the parts that decide it."""
     claim = found[0].claim
     table = Table(
-        "",
+        f"Parts of claim {number}",
         [
             Column("code and load"),
             Column("part of the claim", wide=True),

@@ -35,7 +35,8 @@ def verification(data: ReportData) -> dict:
         passed = int(part["passed"].sum())
         cases.append(
             {"name": case, "title": title, "passed": passed, "total": len(part), "figure": figure}
-            | {"failed": case_table(part[~part["passed"]]), "table": case_table(part[part["passed"]])}
+            | {"failed": case_table(part[~part["passed"]], f"{title}: fail")}
+            | {"table": case_table(part[part["passed"]], f"{title}: pass")}
         )
         summary.rows.append([title, *(count(found[found["case"] == case]) for found in columns.values())])
     return {
@@ -52,7 +53,7 @@ def count(rows: pd.DataFrame) -> Chip | str:
     return Chip(f"{passed} of {len(rows)}", "good" if passed == len(rows) else "bad") if len(rows) else "–"
 
 
-def case_table(rows: pd.DataFrame) -> Table:
+def case_table(rows: pd.DataFrame, title: str) -> Table:
     """Comparisons of one case."""
     columns = [Column("code"), Column("quantity"), Column("expected", True), Column("measured", True)]
     columns += [
@@ -61,7 +62,7 @@ def case_table(rows: pd.DataFrame) -> Table:
         Column("verdict"),
         Column("reason", wide=True),
     ]
-    table = Table("", columns)
+    table = Table(f"Comparisons, {title}", columns)
     for r in rows.itertuples():
         verdict = Chip("pass", "good") if r.passed else Chip("fail", "bad")
         numbers = [number(r.expected, 6), number(r.measured, 6), number(r.rel_error, 2), number(r.tolerance, 2)]

@@ -123,7 +123,7 @@ def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title
     head = 0.27 if title else 0.0
     c = style.canvas(name, alt, width=width, height=height + foot + head, left=0, right=0, bottom=foot, top=head)
     c.figure.text(
-        0.005, 1 - 0.03 / (height + foot + head), title, fontsize=10, fontweight="bold", va="top", color=style.INK
+        0.005, 1 - 0.03 / (height + foot + head), title, fontsize=12.5, fontweight="bold", va="top", color=style.INK
     )
     c.axes.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]))
     c.axes.set_axis_off()
@@ -136,7 +136,7 @@ def _scale_bar(c: style.Canvas, view: render.Camera, foot: float) -> None:
     share = 0.1 / (view.high[0] - view.low[0])
     y = (style.STAMP_HEIGHT + 0.45 * foot) / height
     c.figure.add_artist(_line([0.02, 0.02 + share], [y, y]))
-    c.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=8.5, va="top", color=style.INK)
+    c.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=12, va="top", color=style.INK)
 
 
 def _line(xs, ys):
@@ -157,7 +157,7 @@ def bed_panel(
     """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
     view, top = camera_of(scene, azimuth_deg, elevation_deg), full_colour(scene)
     image = picture(scene, view, top, pixels)
-    foot = 0.5
+    foot = 0.62
     alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
     c = _picture_canvas(name, alt, view, foot, title)
     c.axes.imshow(
@@ -169,7 +169,7 @@ def bed_panel(
         bar = c.figure.add_axes([0.44, (style.STAMP_HEIGHT + 0.30) / height, 0.42, 0.11 / height])
         bar.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=MOVED, extent=(0, 1e3 * top, 0, 1))
         bar.set_yticks([])
-        bar.tick_params(length=2, pad=1.5, labelsize=8)
+        bar.tick_params(length=2, pad=1.5, labelsize=12)
         bar.grid(False)
         for spine in bar.spines.values():
             spine.set_visible(False)
@@ -177,7 +177,7 @@ def bed_panel(
             0.43,
             (style.STAMP_HEIGHT + 0.355) / height,
             "clump displacement, mm",
-            fontsize=8.5,
+            fontsize=12,
             va="center",
             ha="right",
             color=style.INK,
@@ -201,7 +201,7 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
     view = camera_of(scene)
     image = picture(scene, view, width=PICTURE_WIDTH // 2, pale=True)
     image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
-    foot = 0.5
+    foot = 0.62
     c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)
     c.axes.imshow(
         image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
@@ -231,7 +231,7 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
         line = _line([x, x + 0.05], [y, y])
         line.set(color=FORCE(portion), linewidth=0.25 + 6 * portion)
         c.figure.add_artist(line)
-        c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=8.5, va="center", color=style.INK)
+        c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=12, va="center", color=style.INK)
     c.table = pd.DataFrame(
         {f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
         | {"normal_force_N": force}
