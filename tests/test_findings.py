@@ -13,9 +13,13 @@ from analysis.comparison.findings.find import RUNS_FOLDER, find
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
 from analysis.driver.keep import keep
 from analysis.normalised.readers import load_runs
+from analysis.reference.ballast_stiffness import ballast_stiffness
 from analysis.reference.curves import load_references
 from analysis.report import readme
-from analysis.report.report_data import PAPER_SCENARIOS
+from analysis.report.answer import answer, engineer
+from analysis.report.labels import time_steps
+from analysis.report.report_data import KEY_SCENARIOS, PAPER_SCENARIOS
+from analysis.report.sentences import lines
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -256,3 +260,27 @@ def test_the_readme_says_what_the_kept_runs_say():
 def test_a_readme_without_its_marks_is_refused(found):
     with pytest.raises(ValueError, match="README.md: the lines .* are missing"):
         readme.with_results("# A project", found)
+
+
+def test_claims_are_told_of_full_size_runs_alone(tmp_path):
+    for profile in ("demo", "full"):
+        write_run(tmp_path, profile, "linear-mu0.8", "liggghts", 6, contacts=False)
+    both = find(load_runs(tmp_path), load_references(), PAPER_SCENARIOS)
+    assert answer(both, KEY_SCENARIOS, "full")["claims"], "each has a verdict"
+    assert not answer(both, KEY_SCENARIOS, "demo")["claims"], "the demo's page does not repeat them"
+
+
+def test_the_sleeper_is_set_beside_published_ballast(found):
+    said = lines("engineer.txt", **engineer(found, ("linear-mu0.8",), "full"))
+    soft, stiff = (one.value_N_m for one in (ballast_stiffness()[0], ballast_stiffness()[-1]))
+    k = found.values.query("quantity == 'secant_stiffness_N_m' and code == 'liggghts'")
+    assert soft < stiff and any("secant stiffness" in line for line in said)
+    inside = bool(k["low"].min() >= soft and k["high"].max() <= stiff)
+    assert any("within the range of published ballast" in line for line in said) == inside
+    assert any("20 to 138 kN/mm" in line for line in said)
+
+
+def test_time_steps_that_differ_are_told():
+    kept = [run for run in load_runs(RUNS_FOLDER, quiet=True) if run.base_name == "linear-mu0.8" and not run.variants]
+    steps = {derived.time_grid(run.scenario).step_s for run in kept}
+    assert bool(time_steps(kept)) == (len(steps) > 1) and time_steps(kept[:1]) == ""

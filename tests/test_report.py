@@ -483,6 +483,15 @@ def test_hues_of_the_families_stay_apart(defect, page):
             assert np.linalg.norm(_seen(one, defect) - _seen(other, defect)) > 15, (one, other)
 
 
+def test_names_of_curves_can_be_read():
+    for family in style.PALETTE:
+        for level in (-1.0, -0.5, 0.0, 1.0):
+            colour = style.shade(family, level)
+            named = style.text_colour(colour)
+            assert style.contrast(named, style.PAPER) >= 4.5 or named == style.shade(family, 1.0), (family, level)
+    assert style.contrast("#000000", "#ffffff") == pytest.approx(21) and style.contrast("#777777", "#777777") == 1
+
+
 def test_labels_are_moved_apart_in_their_order_and_inside():
     placed = style._apart(np.array([0.0, 1.0, 1.5, 90.0]), 10, -5, 105)
     assert np.diff(placed).min() >= 9.99 and placed.min() >= -5 and abs(placed[3] - 90) < 1
