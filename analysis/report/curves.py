@@ -188,11 +188,13 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
 
 
 def pending_mark(c: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None = None) -> None:
-    """Say that reference curves are missing; `drawn` are rows of those that are there."""
+    """Say that reference curves are missing, above the axes or, where a title stands there, at their bottom; `drawn`
+    are rows of those that are there.
+    """
     if pending:
         c.axes.text(
             1,
-            1.02,
+            0.02 if c.axes.get_title("left") else 1.02,
             "reference curves pending" if drawn is None or not len(drawn) else "some reference curves pending",
             transform=c.axes.transAxes,
             fontsize=style.SMALL,

@@ -11,10 +11,10 @@ from analysis.report.figure import Figure, Gallery
 from analysis.report.style import SOFT
 
 GROUPS = {  # name, marker: quantities
-    ("settlement", "o"): ("settlement_m", "settlement_peak_m"),
-    ("lateral displacement", "s"): ("lateral_mean_m", "shoulder_displacement_m", "bulge_volume_m3"),
-    ("stiffness and stroke", "D"): ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"),
-    ("porosity and contacts", "^"): ("porosity_1", "porosity_2", "porosity_3", "coordination_number", "overlap_mean_m"),
+    ("settle- ment", "o"): ("settlement_m", "settlement_peak_m"),
+    ("plates", "s"): ("lateral_mean_m", "shoulder_displacement_m", "bulge_volume_m3"),
+    ("stiff- ness", "D"): ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"),
+    ("porosity, contacts", "^"): ("porosity_1", "porosity_2", "porosity_3", "coordination_number", "overlap_mean_m"),
 }
 
 

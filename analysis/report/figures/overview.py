@@ -48,7 +48,17 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
         )
         ax.text(x, z, str(k + 1), ha="center", va="center", fontsize=10.6, color=style.shade("linear"), weight="bold")
     bottom, top = box.sleeper.low, box.sleeper.high
-    ax.add_patch(Rectangle((0, bottom[2]), top[0], top[2] - bottom[2], facecolor="#c9ced4", edgecolor=INK, linewidth=1))
+    ax.add_patch(
+        Rectangle(
+            (0, bottom[2]),
+            top[0],
+            top[2] - bottom[2],
+            facecolor=style.shade("soft"),
+            alpha=0.35,
+            edgecolor=INK,
+            linewidth=1,
+        )
+    )
     ax.text(top[0] / 2, (bottom[2] + top[2]) / 2, "sleeper, moves vertically", ha="center", va="center", fontsize=10.6)
     _load(ax, top, low, high, frequency)
     for number, plate in enumerate(box.plates, start=1):
@@ -110,7 +120,7 @@ def _ballast(ax, s: Scenario, box) -> None:
             for side in (-0.6, 0.6):
                 away = side * clump.half_distance_m
                 at = x + away * np.cos(angle), z + away * np.sin(angle)
-                ax.add_patch(Circle(at, 0.8 * reach, facecolor="#d8d3c8", edgecolor="none"))
+                ax.add_patch(Circle(at, 0.8 * reach, facecolor=style.shade("soft"), alpha=0.25, edgecolor="none"))
 
 
 def _load(ax, top, low: float, high: float, frequency: float) -> None:
