@@ -44,7 +44,7 @@ def preloaded(small_scenarios, tmp_path_factory):
             for code in CODES
         ]
         for process in lanes:
-            out, err = process.communicate(timeout=500)
+            out, err = process.communicate(timeout=3600)  # real time, on a busy machine
             assert process.returncode == 0, out + err
     return results
 

@@ -35,7 +35,7 @@ from small_bed import write_scenarios
 from torture import Tormentor
 
 from analysis.driver import status
-from analysis.driver.engines import YADE
+from analysis.driver.engines import LIGGGHTS, YADE
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -292,6 +292,71 @@ def small_disk(path):
         yield 3, fill, filler.unlink
     finally:
         subprocess.run(["umount", "--lazy", path], check=True)
+
+
+@contextlib.contextmanager
+def tiny_disk(path):
+    """A file system of its own; yields functions that fill it to the last byte and make room again."""
+    path.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=32m", "tmpfs", path], capture_output=True).returncode:
+        pytest.skip("no right to mount a file system")
+    filler = path / "filler"
+
+    def fill():
+        with open(filler, "wb", buffering=0) as file, contextlib.suppress(OSError):
+            while file.write(bytes(1 << 20)):
+                pass
+
+    try:
+        yield fill, filler.unlink
+    finally:
+        subprocess.run(["umount", "--lazy", path], check=True)
+
+
+@pytest.mark.parametrize("stage", ["packing", "preload"])
+def test_a_disk_that_fills_in_packing_or_preload_is_one_line_and_the_stage_begins_again(code, stage, begin, tmp_path):
+    with tiny_disk(tmp_path / "disk") as (fill, make_room):
+        folder, arguments = begin(tmp_path / "disk" / "results", "linear-mu0.8", code)
+        if stage == "packing":
+            shutil.rmtree(folder)
+        else:
+            preloaded = (folder / "raw" / "bed_preloaded.csv").read_bytes()
+            shutil.rmtree(folder / "checkpoints")
+            for name in ("cyclic", "preload", "bed_preloaded"):
+                (folder / "raw" / f"{name}.csv").unlink(missing_ok=True)
+        rows = folder / "raw" / ("state.csv" if stage == "packing" else "preload.csv")
+        process = start(REAL, *arguments, "--until", stage)
+        wait_for(rows, process)
+        fill()
+        out, err = process.communicate(timeout=1800)
+        assert process.returncode == 1 and len(err.splitlines()) == 1, out + err
+        assert f"no space left for {folder}" in err and not engines_of(folder)
+        assert not (folder / "raw" / f"bed_{'packed' if stage == 'packing' else 'preloaded'}.csv").exists()
+        assert status.row(folder)["state"] in ("failed", "interrupted")
+        make_room()
+        if stage == "packing":  # that it begins again is enough: it would take long
+            process = start(REAL, *arguments, "--until", stage)
+            wait_until(lambda: process.poll() is not None or engines_of(folder), "no engine")
+            assert process.poll() is None
+            process.send_signal(signal.SIGTERM)
+            process.communicate(timeout=1800)
+            assert process.returncode == 143 and not engines_of(folder)
+        else:
+            done = drive(REAL, *arguments, "--until", stage)
+            assert done.returncode == 0, done.stderr
+            assert (folder / "raw" / "bed_preloaded.csv").read_bytes() == preloaded
+
+
+@pytest.mark.parametrize("name", ["raw/state.csv", "raw/cyclic.csv", "raw/bed_cycle_000001.csv.partial"])
+def test_liggghts_notices_that_a_file_cannot_be_written_whole(begin, tmp_path, name):
+    folder, _ = begin(tmp_path, "linear-mu0.8", "liggghts")
+    (folder / name).unlink(missing_ok=True)
+    (folder / name).symlink_to("/dev/full")
+    argv = LIGGGHTS.command("cyclic", folder, folder / "checkpoints" / "cyclic_000000.restart")
+    done = subprocess.run(argv, cwd=ROOT, capture_output=True, text=True, timeout=1800)
+    errors = [line for line in (done.stdout + done.stderr).splitlines() if "ERROR" in line]
+    assert done.returncode == 1 and len(errors) == 1 and "cannot be written (No space left on device)" in errors[0]
+    assert name.removesuffix(".partial") in errors[0] and not (folder / "raw" / "bed_cycle_000001.csv").exists()
 
 
 def test_a_full_disk_is_one_line_and_the_run_goes_on_once_there_is_room(code, undisturbed, begin, tmp_path):

@@ -1,7 +1,9 @@
 """What stands around the driver: the Makefile's variables, the set-up, the batch script, kept and deleted runs."""
 
+import ast
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -54,6 +56,20 @@ def test_a_scenario_of_any_name_reaches_every_command_as_it_was_typed(value):
     if "$" not in value:  # make itself reads a dollar in the name of a target
         assert make(f"yade-{value}").stdout.endswith(f"'--', {value!r}]\n")
     assert not (ROOT / "x").exists()
+
+
+@pytest.mark.parametrize("jobs", ["-j1", "-j8"])
+def test_the_demo_is_four_runs_and_then_the_report_however_many_jobs(jobs):
+    for _ in range(2):  # also the second time
+        done = make("demo", jobs, "MAKE=make -o setup -o .venv/installed")  # -o is not handed down
+        assert done.returncode == 0, done.stderr
+        *runs, report = map(ast.literal_eval, done.stdout.splitlines())
+        assert report[0] == "report"
+        asked = sorted((scenario, code) for _, scenario, code, *_ in runs)
+        codes = ("--code=liggghts", "--code=yade")
+        assert asked == [(scenario, code) for scenario in ("linear-mu0.8", "nonlinear-en1.0") for code in codes]
+        for code in codes:  # one after the other in each code: the second takes the bed of the first
+            assert [s for _, s, c, *_ in runs if c == code] == ["linear-mu0.8", "nonlinear-en1.0"]
 
 
 # ---------------------------------------------------------------------- set-up
@@ -138,6 +154,20 @@ def test_the_host_is_built_again_when_the_library_is_another_one(tmp_path):
     os.utime(library, (1, 1))
     built()
     assert library.read_text() == before and library.stat().st_mtime > 1 and due()
+
+
+def test_a_yade_without_a_class_that_is_needed_names_it_in_one_line(tmp_path):
+    """Debian 13 builds YADE without PARTIALSAT; another build may leave out more."""
+    wanted = set(re.findall(r"^        (\w+),$", (ROOT / "yade" / "contact.py").read_text(), re.MULTILINE))
+    assert {"FrictViscoMat", "MindlinPhys"} <= wanted and not any("PartialSat" in name for name in wanted)
+    package = tmp_path / "yade"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "wrapper.py").write_text("".join(f"{name} = object\n" for name in wanted - {"FrictViscoMat"}))
+    code = f"import sys; sys.path[:0] = [{str(tmp_path)!r}, {str(ROOT / 'yade')!r}]; import contact"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr == "" and len(done.stdout.splitlines()) == 1
+    assert done.stdout.startswith("ERROR: yade: cannot import name 'FrictViscoMat'")
 
 
 # ---------------------------------------------------------------------- Slurm

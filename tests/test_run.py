@@ -522,6 +522,18 @@ def test_a_copy_inside_another_repository_does_not_take_its_commit(tmp_path, mon
     assert provenance.git_state()["git_commit"].startswith("unknown")
 
 
+def test_a_shallow_clone_knows_its_commit(tmp_path, monkeypatch):
+    git(tmp_path, "init", "-q", "origin")
+    for name in ("first", "second"):
+        author = ("-c", "user.name=a", "-c", "user.email=a@b")
+        git(tmp_path / "origin", *author, "commit", "-q", "--allow-empty", "-m", name)
+    git(tmp_path, "clone", "-q", "--depth", "1", f"file://{tmp_path}/origin", "shallow")
+    assert git(tmp_path / "shallow", "rev-list", "--count", "HEAD") == "1"
+    monkeypatch.setattr(provenance, "ROOT", tmp_path / "shallow")
+    found = provenance.git_state()
+    assert found == {"git_commit": git(tmp_path / "origin", "rev-parse", "HEAD"), "git_dirty": False}
+
+
 def test_every_part_of_a_run_says_what_did_it_and_only_equal_parts_are_repeatable(tmp_path):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     arguments = (*LINEAR, "--results", tmp_path)
@@ -611,6 +623,36 @@ def test_until_pauses_after_a_stage_and_goes_on(tmp_path, undisturbed):
         assert (folder / product).exists() and read_record(folder)["state"] == "interrupted"
     assert drive(FAKE, *LINEAR, "--results", tmp_path).returncode == 0
     assert results_of(folder) == results_of(undisturbed)
+
+
+HOURS_AGO = (
+    FAKE[0],
+    "-c",
+    f"import datetime, runpy, sys, time\nsys.path.insert(0, {str(ROOT)!r}); sys.argv[0] = {FAKE[1]!r}\n"
+    "real = time.time\n"
+    "time.time = lambda: real() - 36000\n"
+    "class Early(datetime.datetime):\n"
+    "    now = classmethod(lambda cls, tz=None: cls.fromtimestamp(time.time(), tz))\n"
+    "from analysis.driver import provenance\nprovenance.datetime = Early\n"
+    f"runpy.run_path({FAKE[1]!r}, run_name='__main__')",
+)
+
+
+def test_a_clock_that_was_set_back_changes_nothing(undisturbed, tmp_path):
+    """A run that goes on hours before it began; what it has done is told from its products, never from times."""
+    folder = run_folder(tmp_path, "linear-mu0.8", "yade")
+    arguments = (*LINEAR, "--results", tmp_path)
+    process = start(FAKE, *arguments)
+    wait_for(folder / "raw" / "bed_cycle_000001.csv", process)
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=300)
+    began = read_record(folder)["timing"]
+    assert drive(HOURS_AGO, *arguments).returncode == 0
+    assert read_record(folder)["timing"]["end"] < began["start"] == read_record(folder)["timing"]["start"]
+    assert results_of(folder) == results_of(undisturbed)
+    assert_no_gap(folder)
+    table = drive((FAKE[0], "-m", "analysis"), "status", "--results", tmp_path)
+    assert table.returncode == 0 and "finished" in table.stdout
 
 
 def test_a_run_does_not_depend_on_locale_or_temporary_folder(undisturbed, tmp_path):

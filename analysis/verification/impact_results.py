@@ -46,7 +46,8 @@ def expected(impact: Impact) -> dict[str, float]:
         abs(dragged) / pushed,
         along + dragged / balls[0].mass,
     )
-    after = (ball.spin[1] - dragged / (0.4 * ball.mass * ball.radius) for ball in balls)
+    turned = mass * radius * (spin - turns / radius)
+    after = (ball.spin[1] + turned / (ball.mass * ball.radius) for ball in balls)
     return dict(zip((*names, *spins), (*values, *after), strict=True))
 
 
