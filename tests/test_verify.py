@@ -1,5 +1,6 @@
 """The verification itself: its table, its refusals, and a few of its cases in both engines."""
 
+import ast
 import csv
 import math
 import shutil
@@ -14,7 +15,7 @@ from analysis.driver import engines
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 from analysis.verification import impact, impact_file, impact_results, mutations, probes, verify
-from analysis.verification.cases import impacts, paths
+from analysis.verification.cases import base, impacts, paths
 from analysis.verification.results import Results, write_rows
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -258,6 +259,28 @@ def test_missing_impact_file(tmp_path, capsys):
 
 
 # ------------------------------------------------------------------ cases without an engine
+
+
+def test_help_makes_no_case(monkeypatch, capsys):
+    def refuse(self, code):
+        raise AssertionError(f"{type(self).__name__} was made")
+
+    for kind in (base.ProbedCase, base.StagedCase):
+        monkeypatch.setattr(kind, "__init__", refuse)
+    with pytest.raises(SystemExit) as ended:
+        verify.main(["--help"])
+    assert ended.value.code == 0 and all(case.name in capsys.readouterr().out for case in verify.CASES[:1])
+    with pytest.raises(AssertionError, match="was made"):
+        verify.PROBED[0]("liggghts")
+
+
+def test_no_case_asks_which_engine_it_runs_in():
+    """What an engine does otherwise is told by engine_laws alone."""
+    found = list((ROOT / "analysis" / "verification" / "cases").glob("*.py"))
+    assert len(found) > 5
+    for path in found:
+        names = [node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)]
+        assert not {"yade", "liggghts"} & {name for name in names if isinstance(name, str)}, path.name
 
 
 def test_head_on_measures_of_a_known_motion():

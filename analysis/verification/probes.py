@@ -145,7 +145,7 @@ def _run_yade(probes: list[Probe], folder: Path):
     entries = []
     for probe in probes:
         entry = asdict(replace(probe, scenario=None)) | {"block": BLOCK_M}
-        entry["scenario"] = json.loads(probe.scenario.to_json())
+        entry["scenario"] = {key: asdict(parameter) for key, parameter in probe.scenario.parameters.items()}
         entries.append(entry)
     listing = folder / "probes.json"
     listing.write_text(json.dumps(entries))
