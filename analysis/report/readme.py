@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import sys
 
 from analysis.arguments import Parser
@@ -11,6 +12,7 @@ from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
 from analysis.driver.bench.tables import TABLE
 from analysis.files import ROOT, write_aside
 from analysis.formats import markdown
+from analysis.formats.numbers import readable
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report.answer import answer
@@ -71,6 +73,6 @@ def hours() -> str:
         for variants in ((), (SERVO_VARIANT,)):
             name = join_id(scenario, variants)
             steps = derived.time_grid(load_scenario(name, "full")).steps_per_cycle
-            times = [1000 * steps / measured[code, law] / 3600 for code in CODE_NAMES]
-            rows.append([short_name(name), f"{steps}", *(f"{time:.2g}" for time in times)])
-    return markdown.table(["scenario", "steps per cycle", *CODE_NAMES.values()], rows)
+            speed = [measured.get((code, law), math.nan) for code in CODE_NAMES]
+            rows.append([short_name(name), f"{steps}", *(readable(1000 * steps / each / 3600, 2) for each in speed)])
+    return markdown.table(["scenario", "steps per cycle", *(f"{name}, hours" for name in CODE_NAMES.values())], rows)
