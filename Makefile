@@ -30,7 +30,7 @@ OPTIONS  := --profile="$$PROFILE" --seed="$$SEED" --ranks="$$NP" --results="$$RE
             $${BED:+--bed="$$BED"} $(FILE)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-yade demo-liggghts run prepare study status compare report findings readme docs view unload keep verify impact chung-ooi mutations sanitize reference calibrate timestep bench \
+.PHONY: help setup demo run prepare study status compare report findings readme docs view unload keep verify impact chung-ooi mutations sanitize reference calibrate timestep bench \
         test torture clean distclean distclean-run FORCE
 
 help: ## this list
@@ -38,17 +38,25 @@ help: ## this list
 	      /^[a-z%-]+:.*## / { printf "  make %-22s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@printf '\nVariables (now):\n  SCENARIO=%s  VARIANT=%s  CODE=%s  PROFILE=%s  SEED=%s  NP=%s  RESULTS=%s  CYCLES=%s  BED=%s\n' \
 	    "$$SCENARIO" "$$VARIANT" "$$CODE" "$$PROFILE" "$$SEED" "$$NP" "$$RESULTS" "$$CYCLES" "$$BED"
-	@echo '  PROFILE=demo is a slice of the bed (minutes); PROFILE=full is the bed of the paper (hours).'
+	@echo '  PROFILE=demo is the end of the bed next to the plates (minutes); PROFILE=full is the bed of the paper (hours).'
 	@echo '  A run that was stopped goes on when the same command is given again.'
 
 ## Simulations
-demo: setup ## both codes, linear-mu0.8 and nonlinear-en1.0, small bed, and the report (minutes)
-	@$(MAKE) --no-print-directory -j2 demo-yade demo-liggghts PROFILE=demo
-	@$(ANALYSIS) report --results="$$RESULTS"
+demo: setup ## the end of the bed in both codes: linear, nonlinear, nonlinear by PFC's servo; and the report (minutes)
+	@$(MAKE) --no-print-directory -j2 $(DEMO_YADE) $(DEMO_LIGGGHTS) PROFILE=demo
+	@$(ANALYSIS) report --demo --results="$$RESULTS"
 
-demo-yade demo-liggghts: demo-%: setup
-	@$(ANALYSIS) run linear-mu0.8 --code=$* --progress=lines $(OPTIONS)
-	@$(ANALYSIS) run nonlinear-en1.0 --code=$* --progress=lines $(OPTIONS)
+# Both codes load one bed, which LIGGGHTS packs. The longest runs come first, so that two cores end together.
+DEMO_RUNS     := linear-mu0.8 nonlinear-en1.0 nonlinear-en1.0+servo
+DEMO_YADE     := $(DEMO_RUNS:%=demo-yade-%)
+DEMO_LIGGGHTS := $(DEMO_RUNS:%=demo-liggghts-%)
+.PHONY: demo-bed $(DEMO_YADE) $(DEMO_LIGGGHTS)
+demo-bed: setup
+	@$(ANALYSIS) run linear-mu0.8 --code=liggghts --until=packing --progress=lines $(OPTIONS)
+$(DEMO_YADE): demo-yade-%: demo-bed
+	@$(ANALYSIS) run $*+same-bed --code=yade --progress=lines $(OPTIONS)
+$(DEMO_LIGGGHTS): demo-liggghts-%: demo-bed
+	@$(ANALYSIS) run $* --code=liggghts --progress=lines $(OPTIONS)
 
 run: setup ## one scenario: make run SCENARIO=linear-mu0.8 CODE=yade PROFILE=full CYCLES=20 SEED=2
 	@$(ANALYSIS) run $(VARIED) --code="$$CODE" $(OPTIONS) $(AGAIN) -- "$$SCENARIO"

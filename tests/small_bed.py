@@ -14,8 +14,8 @@ CHANGES = {
     "ball_radius": "0.037",
     "lattice_radius": "0.023125",
     "lattice_gap": "0.027",
-    "packing.lattice_gap": "0.027",
-    "geometry.width_scale": "0.35",  # the demo slice, widened like the clumps: 130 of them
+    "packing.lattice_gap": "0.0256",
+    "geometry.cut_x": "0.58",  # the demo bed, a little longer for such clumps: 133 of them
     "verified_step": "8.2e-6",
     "time.verified_step": "1.26e-5",
     "frequency": "80.0",

@@ -233,7 +233,7 @@ def test_without_runs_every_claim_is_open_and_says_what_is_missing():
         assert bool(v.claim.reference) == any("(pending)" in m for m in v.missing)
 
 
-def test_a_slice_of_the_bed_decides_nothing():
+def test_the_demo_bed_decides_nothing():
     runs = seeds("nonlinear-en1.0", profile="demo") + seeds("linear-mu0.8", profile="demo", law=LINE)
     assert {v.verdict for v in evaluate_claims(runs, experiment())} == {OPEN}
 

@@ -176,7 +176,7 @@ def test_a_row_counts_when_it_is_complete_and_in_order(tmp_path):
         (f"{HEADER}\n1{ROW}".replace(",", ";"), "cycles.csv: line 1: column cycle is missing"),
         (HEADER.replace("clumps", "clump") + "\n", "cycles.csv: line 1: column clumps is missing"),
         (f"{HEADER}\n1{ROW}garbage\n2{ROW}", "cycles.csv: line 3 has 1 values instead of 16"),
-        (f"{HEADER}\n1{ROW}2{ROW}".replace(",0.4,", ",,", 1), 'cycles.csv: line 2: porosity_1 = "" is refused'),
+        (f"{HEADER}\n1{ROW}2{ROW}".replace(",50000,", ",,", 1), 'cycles.csv: line 2: sleeper_stress_min_Pa = "" is'),
         (f"{HEADER}\n1{ROW}2{ROW}".replace("460000", "soon", 1), 'cycles.csv: line 2: sleeper_stress_max_Pa = "soon"'),
         (f"{HEADER}\n1{ROW}2{ROW}".replace("0.001", "1e300", 1), 'cycles.csv: line 2: settlement_m = "1e300"'),
         (f"{HEADER}\n1{ROW}2{ROW}".replace("380", "1_0", 1), 'cycles.csv: line 2: clumps = "1_0"'),

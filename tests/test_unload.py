@@ -23,7 +23,7 @@ def test_an_unloaded_copy_springs_back_and_the_run_stays_as_it_is(undisturbed):
         last = list(csv.DictReader(file))[-1]
     assert tuple(row) == UNLOAD and row["cycle"] == int(last["cycle"])
     assert row["settlement_before_m"] == pytest.approx(float(last["settlement_m"]), rel=0, abs=1e-12)  # the same row
-    # 5 %: the narrow slice jumps at the end; under the true load the cycle ends at the least stress already
+    # 5 %: the small bed jumps at the end; under the true load the cycle ends at the least stress already
     assert row["stress_after_Pa"] == pytest.approx(50e3, rel=0.05)
     assert row["stress_before_Pa"] == pytest.approx(50e3, rel=0.1)
 

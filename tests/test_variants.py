@@ -21,7 +21,7 @@ from analysis.scenarios.schema import FILE_KEYS, KEYS
 
 LINEAR, NONLINEAR = "linear-mu0.8", "nonlinear-en1.0"
 FULL_ONLY = ("gap-13.8mm", "gap-14.4mm")
-"""Variants whose lattice is too wide for the slice of the demo."""
+"""Variants whose lattice is too wide for the demo bed."""
 
 
 def leaf(value, unit="-"):

@@ -23,15 +23,15 @@ class Apparatus:
         return cls(4, tuple(range(5, 5 + len(box.plates))))
 
 
-def build(box, material: str, mask: int, side_material: str) -> Apparatus:
-    """Make the walls of `box`: end and side planes, of `side_material`, the floor, then sleeper, plates and fixed wall
-    as boxes.
+def build(box, law) -> Apparatus:
+    """Make the walls of `box`: end and side planes and the floor, then sleeper, plates and fixed wall as boxes; their
+    materials and collision mask are those of the contact law `law`.
     """
-    utilities = {"material": material, "mask": mask}
-    sides = utilities | {"material": side_material}
+    utilities = {"material": "wall", "mask": law.wall_mask}
+    sides = utilities | {"material": law.side_material}
     O.bodies.append(
         [
-            utils.wall(0.0, axis=0, sense=1, **sides),
+            utils.wall(box.end_m, axis=0, sense=1, **utilities | {"material": law.end_material}),
             utils.wall(0.0, axis=1, sense=1, **sides),
             utils.wall(box.width_m, axis=1, sense=-1, **sides),
             utils.wall(0.0, axis=2, sense=1, **utilities),

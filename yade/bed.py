@@ -73,7 +73,7 @@ class Bed:
         keep = []
         for body, number in zip(self._bodies, self.numbers, strict=True):
             x, y, z = body.state.pos
-            if 0 <= x <= box.length_m and 0 <= y <= box.width_m and 0 <= z <= box.height_m:
+            if box.end_m <= x <= box.length_m and 0 <= y <= box.width_m and 0 <= z <= box.height_m:
                 keep.append(number)
             else:
                 O.bodies.erase(body.id, True)

@@ -59,7 +59,7 @@ class ContactLaw:
 
     shells -- (material, collision mask) of each shell of spheres that a clump needs
     wall_mask -- collision mask of walls, whose material is "wall"
-    side_material -- material of the end wall and the side walls, another one only where their friction is
+    side_material, end_material -- materials of the side walls and of the end wall, others only where their friction is
     """
 
     def __init__(self, scenario, model: str, packing: bool = False):
@@ -97,6 +97,10 @@ class ContactLaw:
         self.side_material = "wall"
         if scenario["contact.side_friction_share"] != 1:
             self.side, self.side_material = O.materials.append(FrictMat(density=density, label="side")), "side"
+        self.end, self.end_material = self.side, self.side_material
+        self._end_share = derived.apparatus(scenario).end_friction_share
+        if self._end_share != 1:
+            self.end, self.end_material = O.materials.append(FrictMat(density=density, label="end")), "end"
         if wall_damping > 0 or model == "hysteretic":
             self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
             self.shells = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS))
@@ -118,11 +122,13 @@ class ContactLaw:
     def _functors(self) -> list:
         return [self._between] if self._between is self._at_walls else [self._between, self._at_walls]
 
-    def _pairs(self, particle: float, wall: float, side: float | None = None) -> MatchMaker:
-        """A value for each pair of materials that can meet; that of the side walls is the other walls' by default."""
-        matches = [(self.particle, self.particle, particle), (self.wall, self.touching, wall)]
-        if self.side != self.wall:
-            matches.append((self.side, self.touching, wall if side is None else side))
+    def _pairs(self, particle: float, wall: float, side: float | None = None, end: float | None = None) -> MatchMaker:
+        """A value for each pair of materials that can meet; side and end walls have the other walls' by default."""
+        of_walls = {self.wall: wall}
+        for material, value in ((self.side, side), (self.end, end)):
+            of_walls.setdefault(material, wall if value is None else value)
+        matches = [(self.particle, self.particle, particle)]
+        matches += [(material, self.touching, value) for material, value in of_walls.items()]
         return MatchMaker(matches=matches)
 
     def add_plane(self) -> None:
@@ -166,16 +172,17 @@ class ContactLaw:
     def set_friction(self, particle: float, wall: float) -> None:
         """Use these coefficients of friction from now on, in old and new contacts."""
         side = wall * self.scenario["contact.side_friction_share"]
-        of_material = {self.wall: wall, self.side: side}
+        end = side * self._end_share
+        of_material = {self.end: end, self.side: side, self.wall: wall}  # one of two walls that share a material
         for functor in self._functors:
-            functor.frictAngle = self._pairs(*map(math.atan, (particle, wall, side)))
+            functor.frictAngle = self._pairs(*map(math.atan, (particle, wall, side, end)))
         for i in O.interactions:
             if i.isReal and not bond.is_bond(i):
                 first = O.bodies[i.id1].material.id  # YADE puts the wall first
                 i.phys.tangensOfFrictionAngle = of_material.get(first, particle)
 
     def _is_wall(self, interaction) -> bool:
-        return O.bodies[interaction.id1].material.id in (self.wall, self.side)
+        return O.bodies[interaction.id1].material.id in (self.wall, self.side, self.end)
 
     def engines(self) -> list:
         """Collider and contact loop; with bonds, what watches them."""

@@ -24,7 +24,7 @@ def pack(run: stage.Stage, _) -> None:
     """The stage, from the lattice to the bed at rest."""
     s, block = run.scenario, run.grid.steps_per_block
     law = ContactLaw(s, run.model, packing=True)
-    apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
+    apparatus.build(run.box, law)
     lid = apparatus.close_lid(run.box, "wall", law.wall_mask)  # while it is crowded beside the sleeper
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_start.csv"), law.shells)

@@ -24,7 +24,7 @@ def preload(run: stage.Stage, _) -> None:
     """The stage, from the packed bed to the first checkpoint."""
     s = run.scenario
     law = ContactLaw(s, run.model)
-    apparatus.build(run.box, "wall", law.wall_mask, law.side_material)
+    apparatus.build(run.box, law)
     run.bed = Bed(s)
     run.bed.place(run.raw("bed_packed.csv"), law.shells)
     if law.bonded:

@@ -74,7 +74,7 @@ else:
 # Box, sleeper and plates
 O.bodies.append(
     [
-        utils.wall(0.0, axis=0, sense=1, material=plane),
+        utils.wall(box.end_m, axis=0, sense=1, material=plane),
         utils.wall(0.0, axis=1, sense=1, material=plane),
         utils.wall(box.width_m, axis=1, sense=-1, material=plane),
         utils.wall(0.0, axis=2, sense=1, material=plane),

@@ -29,7 +29,7 @@ from analysis.normalised import stages
 from analysis.normalised.porosity import MeasurementSpheres
 from analysis.normalised.readers import CALIBRATION
 from analysis.normalised.readers import Run as Result
-from analysis.scenarios import lattice
+from analysis.scenarios import derived, lattice
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.study import key_scenarios
 
@@ -137,7 +137,7 @@ def row(scenario: Scenario, result: Result) -> dict[str, float | str]:
         "aspect": scenario["clump.aspect"],
         "lattice_gap_m": scenario["packing.lattice_gap"],
         "lattice_sites": lattice.site_count(scenario),
-        "clumps_over_reported": clumps / (REPORTED_CLUMPS * scenario["geometry.width_scale"]),
+        "clumps_over_reported": clumps / (REPORTED_CLUMPS * derived.share_of_box(scenario)),
     }
     for stage, names in STAGE_COLUMNS.items():
         for name in names:

@@ -89,6 +89,7 @@ def _derived(scenario: Scenario, seed: int) -> dict:
         "clump_inertia_axial": clump.inertia_axial_kgm2,
         "clump_inertia_transverse": clump.inertia_transverse_kgm2,
         "box_width_scaled": box.width_m,
+        "end_friction_share": box.end_friction_share,
         "sleeper_area": box.sleeper_area_m2,
         "plate_area": box.plate_area_m2,
         "time_step": grid.step_s,
@@ -134,10 +135,10 @@ def _blocks(scenario: Scenario) -> dict[str, list[float]]:
     blocks = {
         "sleeper": box.sleeper,
         "fixed_wall": box.fixed_wall,
-        "lid_left": derived.Block((0.0, 0.0, top), (box.length_m, left, lid_top)),
-        "lid_right": derived.Block((0.0, right, top), (box.length_m, box.width_m, lid_top)),
+        "lid_left": derived.Block((box.end_m, 0.0, top), (box.length_m, left, lid_top)),
+        "lid_right": derived.Block((box.end_m, right, top), (box.length_m, box.width_m, lid_top)),
     }
-    blocks["box"] = derived.Block((0.0, 0.0, 0.0), (box.length_m, box.width_m, box.height_m))
+    blocks["box"] = derived.Block((box.end_m, 0.0, 0.0), (box.length_m, box.width_m, box.height_m))
     blocks["space"] = derived.simulated_space(scenario)
     blocks |= {f"plate_{k}": plate for k, plate in enumerate(box.plates, start=1)}
     return {

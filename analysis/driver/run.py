@@ -211,6 +211,7 @@ class Run:
             self.record.body.steps.pop(stage, None)
         for name in NORMALISED:
             (self.folder / name).unlink(missing_ok=True)
+        self._say_what_is_not_measured()
         self._stage("preload")
         if not self._resume_point(warn=False):
             raise RunError(
@@ -218,6 +219,13 @@ class Run:
                 f"{self._read_log('preload')}"
             )
         self.normaliser.before()
+
+    def _say_what_is_not_measured(self) -> None:
+        fits = derived.apparatus(self.scenario).measurement_fits
+        if outside := [str(k) for k, inside in enumerate(fits, start=1) if not inside]:
+            self.progress.say(
+                f"measurement spheres that do not fit into the box: {', '.join(outside)}; their porosity stays empty"
+            )
 
     def _cyclic(self) -> None:
         """Go on from the last good checkpoint as if nothing had been done after it."""

@@ -107,7 +107,9 @@ _ROWS = (
         "porosity, sphere {} ({name})",
         0,
         1,
-        "share of a measurement sphere's volume that no clump fills; sleeper and plates are left out of the volume",
+        "share of a measurement sphere's volume that no clump fills; sleeper and plates are left out of the volume; "
+        "empty where the sphere does not fit into the box",
+        empty=True,
     ),
     Quantity("bonds", "-", "bonds that hold", 0, 1e8, "number of parallel bonds between clumps that hold"),
     Quantity("bonds_broken_tension", "-", "bonds broken in tension", 0, 1e8, "since they were made"),
@@ -157,7 +159,13 @@ _ROWS = (
     ),
     # ------------------------------------------------------------------ microstructure.csv and stages.json
     Quantity(
-        "porosity_error", "-", "standard error of porosity", 0, 1, "of the sampled volume; the largest of the spheres"
+        "porosity_error",
+        "-",
+        "standard error of porosity",
+        0,
+        1,
+        "of the sampled volume; the largest of the spheres; empty where none fits into the box",
+        empty=True,
     ),
     Quantity("porosity_mean", "-", "porosity, mean of spheres", 0, 1, "mean over the three measurement spheres"),
     Quantity(

@@ -35,14 +35,14 @@ def check_fits(path: Path, scenario: Scenario) -> int:
     poses = bed_file.read(path)
     name, box, clump = Path(path).name, derived.apparatus(scenario), derived.clump(scenario)
     where = np.array([pose[1:4] for pose in poses])
-    size = np.array([box.length_m, box.width_m, box.height_m])
-    outside = np.flatnonzero(((where < 0) | (where > size)).any(axis=1))
+    low, high = np.array([box.end_m, 0, 0]), np.array([box.length_m, box.width_m, box.height_m])
+    outside = np.flatnonzero(((where < low) | (where > high)).any(axis=1))
     if len(outside):
         raise InputError(
             name,
             f"line {poses[outside[0]].line}",
-            allowed=f"lies outside the box of {' x '.join(f'{v:g}' for v in size)} m; take a bed of the same profile "
-            "and geometry",
+            allowed=f"lies outside the box of {' x '.join(f'{v:g}' for v in high - low)} m; "
+            "take a bed of the same profile and geometry",
         )
     inside = np.flatnonzero(((where > box.sleeper.low) & (where < box.sleeper.high)).all(axis=1))
     if len(inside):

@@ -54,7 +54,7 @@ def wall_overlaps(
     centres: np.ndarray, radius: float, box: derived.Apparatus, sleeper_down_m: float, plates_out_m
 ) -> np.ndarray:
     """Overlaps (m) with floor, planes, sleeper, plates and fixed wall where these stand now, one entry per contact."""
-    gaps = [centres[:, 2], centres[:, 0], centres[:, 1], box.width_m - centres[:, 1]]
+    gaps = [centres[:, 2], centres[:, 0] - box.end_m, centres[:, 1], box.width_m - centres[:, 1]]
     blocks = [(box.sleeper, (0, 0, -sleeper_down_m)), (box.fixed_wall, (0, 0, 0))]
     blocks += [(plate, (out, 0, 0)) for plate, out in zip(box.plates, plates_out_m, strict=True)]
     gaps += [_distances(centres, block, moved) for block, moved in blocks]

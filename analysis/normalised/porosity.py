@@ -37,10 +37,7 @@ def porosity(inside: np.ndarray) -> tuple[float, float]:
 
 
 def sphere_points(centre, radius: float, low, high, count: int = POINTS) -> np.ndarray:
-    """`count` evenly spread points (m) of the part of a sphere that lies in the box from `low` to `high`.
-
-    The narrow box of a slice cuts the measurement sphere; what lies outside does not count as void.
-    """
+    """`count` evenly spread points (m) of the part of a sphere that lies in the box from `low` to `high`."""
     centre = np.asarray(centre, dtype=float)
     corner = np.maximum(centre - radius, low)
     edges = np.minimum(centre + radius, high) - corner
@@ -56,38 +53,47 @@ def sphere_points(centre, radius: float, low, high, count: int = POINTS) -> np.n
 
 
 class MeasurementSpheres:
-    """The three measurement spheres of a scenario; made once, then measured for every bed."""
+    """The three measurement spheres of a scenario; made once, then measured for every bed.
+
+    A sphere that does not fit into the box has no porosity: a smaller one would be another quantity.
+    """
 
     def __init__(self, scenario, count: int | None = None):
         self._box = derived.apparatus(scenario)
         self._clump_radius = derived.clump(scenario).radius_m
-        low, high = np.zeros(3), np.array([self._box.length_m, self._box.width_m, self._box.height_m])
+        low = np.array([self._box.end_m, 0.0, 0.0])
+        high = np.array([self._box.length_m, self._box.width_m, self._box.height_m])
         self._trees = [
             cKDTree(
                 sphere_points(c, self._box.measurement_radius_m, low, high, count or POINTS),
                 balanced_tree=False,
                 compact_nodes=False,
             )
-            for c in self._box.measurement_centres_m
+            if fits
+            else None
+            for c, fits in zip(self._box.measurement_centres_m, self._box.measurement_fits, strict=True)
         ]
 
     def measure(
         self, centres: np.ndarray, sleeper_down_m: float = 0.0, plates_out_m=(0.0,) * 5
     ) -> tuple[list[float], float]:
-        """Porosities of spheres 1 to 3 and the largest of their standard errors.
+        """Porosities of spheres 1 to 3 and the largest of their standard errors; nan for a sphere that does not fit.
 
         centres   of all spheres of the bed, shape (n, 3), m
         sleeper_down_m, plates_out_m   where sleeper and plates stand: their inside is not measured
         """
         values, errors = [], []
         for centre, tree in zip(self._box.measurement_centres_m, self._trees, strict=True):
+            if tree is None:
+                values.append(np.nan)
+                continue
             reach = self._box.measurement_radius_m + self._clump_radius
             near = centres[np.sum((centres - np.array(centre)) ** 2, axis=1) <= reach**2]
             inside = solid(tree, near, self._clump_radius)
             value, error = porosity(inside[~self._occupied(tree.data, sleeper_down_m, plates_out_m)])
             values.append(value)
             errors.append(error)
-        return values, max(errors)
+        return values, max(errors, default=np.nan)
 
     def _occupied(self, points, sleeper_down_m, plates_out_m) -> np.ndarray:
         """True for points inside the sleeper or behind a plate's face."""

@@ -20,6 +20,7 @@ from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
 from analysis.normalised import beds, harmonics, microstructure, stages
 from analysis.normalised.frames import empty_table, read_table
+from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
 from analysis.scenarios.schema import KEYS
 
@@ -244,12 +245,23 @@ class Run:
             return empty_table(columns)
         try:
             frame = read_table(path, columns, whole)
+            self._check_porosities(name, frame)
             if table_file.is_torn(path):
                 self._problem(name, "ends in mid-line: that row does not count")
             return frame
         except InputError as error:
             self._problem(name, f"{_after_name(error)}; nothing of it is used")
             return empty_table(columns)
+
+    def _check_porosities(self, name: str, frame: pd.DataFrame) -> None:
+        """InputError where a porosity is missing whose measurement sphere fits into the box."""
+        if self.scenario is None:
+            return
+        fits = derived.apparatus(self.scenario).measurement_fits
+        for column in (f"porosity_{k}" for k, inside in zip(file_columns.SPHERES, fits, strict=True) if inside):
+            if column in frame and frame[column].isna().any():
+                cycle = frame.loc[frame[column].isna(), "cycle"].iloc[0]
+                raise InputError(name, f"{column} of cycle {cycle}", "", "a number, its sphere fits into the box")
 
     def _optional(self, name: str, reader) -> pd.DataFrame | None:
         path = self.folder / name

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from pathlib import Path
 
 from analysis import files
@@ -53,7 +54,8 @@ def write_stages(
 def bed_measures(
     path: Path, scenario: Scenario, spheres: porosity.MeasurementSpheres, places: dict[str, float]
 ) -> dict[str, float]:
-    """Clumps, porosity of the three spheres and their mean, contacts and overlaps of a bed file.
+    """Clumps, porosity of the three spheres and their mean, contacts and overlaps of a bed file. A sphere that does not
+    fit into the box has no porosity, and the mean is that of all three or is left out.
 
     `places` tells where sleeper and plates stand (settlement_m, lateral_1_m to _5_m); empty: where they began.
     Raises ValueError where the file is not a bed.
@@ -62,10 +64,11 @@ def bed_measures(
     centres = beds.sphere_centres(bed, clump.half_distance_m)
     at = places.get("settlement_m", 0.0), [places.get(f"lateral_{k}_m", 0.0) for k in file_columns.PLATES]
     porosities, _ = spheres.measure(centres, *at)
+    measured = {f"porosity_{n}": float(value) for n, value in zip(file_columns.SPHERES, porosities, strict=True)}
+    measured["porosity_mean"] = float(sum(porosities) / len(porosities))
     return {
         "clumps": len(bed),
-        **{f"porosity_{n}": float(value) for n, value in zip(file_columns.SPHERES, porosities, strict=True)},
-        "porosity_mean": float(sum(porosities) / len(porosities)),
+        **{name: value for name, value in measured.items() if math.isfinite(value)},
         **microstructure.contact_measures(centres, clump.radius_m, derived.apparatus(scenario), *at),
     }
 

@@ -22,6 +22,7 @@ from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import REFERENCE_FOLDER, load_references
 from analysis.report import data_archive, style
+from analysis.report.demo_outcome import summary
 from analysis.report.figure import Gallery
 from analysis.report.figures.beds import kept_scene
 from analysis.report.pages.assumptions import assumptions
@@ -80,6 +81,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument(
         "--out", type=Path, default=Path("report"), help="folder of the report; verification.csv is looked for there"
     )
+    parser.add_argument("--demo", action="store_true", help="say at the end what the demo's runs came to")
     options = parser.parse_args(argv)
     began = time.monotonic()
     try:
@@ -95,6 +97,8 @@ def main(argv: list[str]) -> int:
         f"{plural(len(data.gallery.figures), 'figure')}, "
         f"{time.monotonic() - began:.0f} s)"
     )
+    if options.demo:
+        print("\n".join(summary(data.findings, str(options.out / "index.html"))))
     return 0
 
 

@@ -36,7 +36,7 @@ class Cost:
 def cost(s) -> Cost:
     """The cost of a scenario, from its geometry alone: exact to the margins at walls."""
     box, cycles = derived.apparatus(s), s["loading.cycles"]
-    clumps = box.length_m * box.width_m * box.height_m / (derived.lattice_spacing(s) ** 3 / math.sqrt(2))
+    clumps = (box.length_m - box.end_m) * box.width_m * box.height_m / (derived.lattice_spacing(s) ** 3 / math.sqrt(2))
     kept = (cycles // s["output.checkpoint_cycles"] > 0) + len(s["output.keep_beds"]) + 3
     return Cost(
         clumps,

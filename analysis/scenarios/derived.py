@@ -58,9 +58,14 @@ class Block:
 
 @dataclass(frozen=True)
 class Apparatus:
-    """Walls and moving parts at the start. Floor z = 0, end wall x = 0 and side walls y = 0, y = width are planes."""
+    """Walls and moving parts at the start. Floor z = 0, end wall and side walls y = 0, y = width are planes.
 
+    The end wall is at x = end_m: 0, or where the box is cut.
+    """
+
+    end_m: float
     length_m: float
+    """Of the whole box: the faces of the plates are at x = length_m."""
     width_m: float
     height_m: float
     sleeper: Block
@@ -70,43 +75,59 @@ class Apparatus:
     plate_area_m2: float
     measurement_centres_m: tuple[tuple[float, float, float], ...]
     measurement_radius_m: float
+    measurement_fits: tuple[bool, ...]
+    """Which of the measurement spheres lie inside the box; in the others nothing is measured."""
     ballast_volume_m3: float
+    end_friction_share: float
+    """Friction of the end wall over that of the side walls: 0 where it is a cut, in place of the ballast beyond."""
 
 
 def apparatus(s) -> Apparatus:
-    """The apparatus of scenario `s`, narrowed in y by geometry.width_scale."""
+    """The apparatus of scenario `s`, narrowed in y by geometry.width_scale and begun in x at geometry.cut_x."""
     scale = s["geometry.width_scale"]
     length, width, height = s["geometry.box_length"], s["geometry.box_width"] * scale, s["geometry.box_height"]
     base, sleeper_width = s["geometry.sleeper_base"], s["geometry.sleeper_width"] * scale
-    left = (width - sleeper_width) / 2
+    left, cut = (width - sleeper_width) / 2, s["geometry.cut_x"]
     outer = length + s["geometry.plate_thickness"]
     pitch = s["geometry.plate_height"] + s["geometry.plate_gap"]
     plates = tuple(
         Block((length, 0.0, k * pitch), (outer, width, k * pitch + s["geometry.plate_height"]))
         for k in range(s["geometry.plate_count"])
     )
+    centres = tuple((x, width / 2, s["geometry.measurement_z"]) for x in s["geometry.measurement_x"])
+    radius = s["geometry.measurement_radius"]
     return Apparatus(
+        cut,
         length,
         width,
         height,
         Block(
-            (0.0, left, base), (s["geometry.sleeper_length"], left + sleeper_width, base + s["geometry.sleeper_height"])
+            (cut, left, base), (s["geometry.sleeper_length"], left + sleeper_width, base + s["geometry.sleeper_height"])
         ),
         plates,
         Block((length, 0.0, s["geometry.plate_count"] * pitch), (outer, width, 2 * height)),
-        s["geometry.sleeper_length"] * sleeper_width,
+        (s["geometry.sleeper_length"] - cut) * sleeper_width,
         s["geometry.plate_height"] * width,
-        tuple((x, width / 2, s["geometry.measurement_z"]) for x in s["geometry.measurement_x"]),
-        s["geometry.measurement_radius"],
-        length * (width * height - sleeper_width * (height - base)),
+        centres,
+        radius,
+        tuple(cut - 1e-9 <= x - radius and x + radius <= length + 1e-9 and 2 * radius <= width for x, _, _ in centres),
+        (length - cut) * (width * height - sleeper_width * (height - base)),
+        1.0 if cut == 0 else 0.0,
     )
+
+
+def share_of_box(s) -> float:
+    """Share of the paper's box that the scenario simulates."""
+    length = s["geometry.box_length"]
+    return s["geometry.width_scale"] * (length - s["geometry.cut_x"]) / length
 
 
 def simulated_space(s) -> Block:
     """The space outside of which a clump is lost, in both codes: with room above the box and behind the plates."""
     box = apparatus(s)
     high = (box.length_m + 0.2, box.width_m + 0.05, 2 * box.height_m + 0.05)
-    return Block((-0.05, -0.05, -0.05), tuple(round(value, 10) for value in high))
+    low = (box.end_m - 0.05, -0.05, -0.05)
+    return Block(*(tuple(round(value, 10) for value in corner) for corner in (low, high)))
 
 
 @dataclass(frozen=True)
@@ -129,9 +150,12 @@ def time_grid(s) -> TimeGrid:
 
 def load_control(s) -> dict[str, float]:
     """Masses (kg) and drags (N s/m) of sleeper and plates, scaled like the areas they press on."""
+    length = s["geometry.sleeper_length"]
+    share = {"sleeper": (length - s["geometry.cut_x"]) / length, "plate": 1.0}
     return {
-        key: s[f"load_control.{key}"] * s["geometry.width_scale"]
-        for key in ("sleeper_mass", "sleeper_drag", "plate_mass", "plate_drag")
+        f"{kind}_{key}": s[f"load_control.{kind}_{key}"] * s["geometry.width_scale"] * share[kind]
+        for kind in share
+        for key in ("mass", "drag")
     }
 
 

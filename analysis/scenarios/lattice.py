@@ -54,7 +54,8 @@ def _rows(s) -> Iterator[tuple[float, float, list[float]]]:
         first = margin + (k % 2) * spacing / (2 * math.sqrt(3))
         for j, y in enumerate(_steps(first, box.width_m - margin, spacing * math.sqrt(3) / 2)):
             if not (z > low[2] - margin and low[1] - margin < y < high[1] + margin):
-                yield y, z, _steps(margin + ((j + k) % 2) * spacing / 2, box.length_m - margin, spacing)
+                first_x = box.end_m + margin + ((j + k) % 2) * spacing / 2
+                yield y, z, _steps(first_x, box.length_m - margin, spacing)
 
 
 def _steps(start: float, stop: float, step: float) -> list[float]:

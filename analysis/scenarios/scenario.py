@@ -442,6 +442,9 @@ def _check_together(path: Path, s: Scenario) -> None:
         )
     if s["geometry.sleeper_length"] > s["geometry.box_length"]:
         raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m")
+    room = s["geometry.sleeper_length"] - 2 * s["clump.ball_radius"]
+    if s["geometry.cut_x"] > room:
+        raise refuse("geometry.cut_x", f"<= {room:g} m, so that a clump fits between the cut and the plates")
     if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
         raise refuse("geometry.sleeper_width", f"< geometry.box_width = {s['geometry.box_width']:g} m")
     if s["geometry.sleeper_base"] + s["geometry.sleeper_height"] > s["geometry.box_height"] + 1e-9:

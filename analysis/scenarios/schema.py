@@ -13,6 +13,7 @@ STAGES = ("packing", "preload", "loading", "output", "limit")
 """In the order of a run. `output` is what a run writes, `limit` how far it goes and when it stops: no physics."""
 PROFILE_KEYS = (
     "geometry.width_scale",
+    "geometry.cut_x",
     "packing.lattice_gap",
     "loading.cycles",
     "output.checkpoint_cycles",
@@ -111,6 +112,7 @@ KEYS: dict[str, Key] = {
     "geometry.box_width": _between("m", 1e-3, 10),
     "geometry.box_height": _between("m", 1e-3, 10),
     "geometry.width_scale": _between("-", 0.01, 1),
+    "geometry.cut_x": _neutral(0.0, _from_zero("m", 10)),
     "geometry.sleeper_length": _between("m", 1e-3, 10),
     "geometry.sleeper_width": _between("m", 1e-3, 10),
     "geometry.sleeper_height": _between("m", 1e-3, 10),

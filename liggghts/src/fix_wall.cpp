@@ -38,6 +38,7 @@ FixWall::FixWall(LAMMPS *lmp, int narg, char **arg)
       plane_axis_(-1),
       type_(ballast::WALLS),
       hysteretic_(false),
+      friction_share_(1.0),
       constants_(),
       history_(NULL),
       built_(-1),
@@ -51,9 +52,13 @@ FixWall::FixWall(LAMMPS *lmp, int narg, char **arg)
       hysteretic_ = value == "hysteretic";
     else if (key == "type" && !value.empty())
       type_ = force->inumeric(FLERR, arg[n + 1]);
+    else if (key == "friction_share" && !value.empty())
+      friction_share_ = force->numeric(FLERR, arg[n + 1]);
     else
-      error->fix_error(FLERR, this, "after its shape expects model linear|hysteretic and type T");
+      error->fix_error(FLERR, this, "after its shape expects model linear|hysteretic, type T and friction_share S");
   }
+  if (!(friction_share_ >= 0.0 && friction_share_ <= 1.0))
+    error->fix_error(FLERR, this, "friction_share must be 0 to 1");
   grow_arrays(atom->nmax);
   std::fill_n(history_, atom->nmax, ContactHistory());
   atom->add_callback(0);
@@ -95,7 +100,10 @@ int FixWall::parse_shape(int narg, char **arg) {
 
 int FixWall::setmask() { return POST_FORCE; }
 
-void FixWall::init() { constants_ = ballast::read_material(lmp, ballast::PARTICLES, type_, hysteretic_); }
+void FixWall::init() {
+  constants_ = ballast::read_material(lmp, ballast::PARTICLES, type_, hysteretic_);
+  constants_.friction *= friction_share_;
+}
 
 void FixWall::setup(int vflag) {
   built_ = -1;

@@ -61,6 +61,7 @@ class FixWall : public Fix {
   double displacement_[3], velocity_[3];
   int type_;
   bool hysteretic_;
+  double friction_share_;
   ballast::ContactConstants constants_;
   ballast::ContactBatch batch_;
 

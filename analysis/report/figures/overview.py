@@ -142,7 +142,7 @@ def both_readings_figure(
     """Settlement of `scenarios` against cycles, an axis of its own for each, both readings and both codes in it."""
     drawn, used = [], []
     for scenario in scenarios:
-        found = [m for m in members if m.plain and m.scenario == scenario]
+        found = [m for m in members if m.scenario == scenario]
         if not found:
             continue
         c = style.canvas(f"{name}-{scenario}", _alt(found, scenario), width=4.5, height=3.1)

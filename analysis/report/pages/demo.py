@@ -1,9 +1,11 @@
-"""The demo's own page: a small bed that shows that the whole chain works."""
+"""The demo's own page: the end of the bed next to the plates, loaded by both codes."""
 
 from __future__ import annotations
 
+from analysis.formats.quantities import SPHERES
 from analysis.report.agreement_tables import agreement_table
 from analysis.report.answer import answer, only
+from analysis.report.demo_outcome import PROFILE, of_the_demo, outcome_table, outcomes
 from analysis.report.figures.beds import bed_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import tracking_figure
@@ -12,18 +14,21 @@ from analysis.report.figures.porosity import porosity_figure
 from analysis.report.pages.runs import runs_table
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.sentences import lines
-
-PROFILE = "demo"
+from analysis.scenarios import derived
 
 
 def demo_page(data: ReportData) -> dict | None:
     """What the demo's runs say; None without one."""
-    runs = data.of(PROFILE)
+    members = of_the_demo(data.findings.members)
+    runs = [m.run for m in members]
     if not runs:
         return None
-    g, members = data.gallery, [m for m in data.findings.members if m.run.profile == PROFILE]
+    g, box = data.gallery, next((derived.apparatus(run.scenario) for run in runs if run.scenario), None)
+    measured = any(run.cycles[f"porosity_{k}"].notna().any() for run in runs for k in SPHERES)
     pictured = [run for run in runs if (run.folder / "bed_after.csv").exists()][:1]
     return {
+        "box": box,
+        "left_out": [k for k, inside in zip(SPHERES, box.measurement_fits, strict=True) if not inside] if box else [],
         "answer": lines("answer.txt", **answer(data.findings, KEY_SCENARIOS, PROFILE)),
         "figures": [
             both_readings_figure(
@@ -38,11 +43,14 @@ def demo_page(data: ReportData) -> dict | None:
             lateral_figure(g, runs, "lateral-demo", "Lateral displacement of the plates", "Outward, at minimum load."),
             porosity_figure(
                 g, runs, "porosity-demo", "Porosity in the measurement spheres", "Cycle 0 is the end of preload."
-            ),
+            )
+            if measured
+            else None,
             tracking_figure(
                 g, runs, "tracking-demo", "Load tracking", "rms error over each cycle, and the extremes of each cycle."
             ),
         ],
+        "outcomes": outcome_table(outcomes(data.findings)),
         "agreement": agreement_table(only(data.findings.agreement, profile=PROFILE)),
         "runs_table": runs_table(runs),
     }

@@ -23,7 +23,7 @@ MOVING = "bed.webp"
 def overview(data: ReportData) -> dict:
     """Everything on the first page is of the full bed; the demo has a page of its own."""
     found = data.findings
-    members = [m for m in found.members if m.run.profile == PROFILE]
+    members = [m for m in found.members if m.run.profile == PROFILE and m.plain]
     key = KEY_SCENARIOS[0] if KEY_SCENARIOS and KEY_SCENARIOS[0] in known_scenarios() else None
     pending = found.pending.to_dict("records")
     return {

@@ -72,7 +72,7 @@ def camera_of(scene: Scene, azimuth_deg: float = 0.0, elevation_deg: float = 0.0
     corners = np.array(
         [
             [x, y, z]
-            for x in (0, max(p.high[0] for p in scene.plates))
+            for x in (scene.box.end_m, max(p.high[0] for p in scene.plates))
             for y in (_front(scene), scene.box.width_m)
             for z in (0, scene.sleeper.high[2])
         ]
