@@ -98,6 +98,29 @@ def test_killed_at_random_moments_it_gives_the_same_files(undisturbed, tmp_path,
     assert_no_gap(folder)
 
 
+FALLS_BEHIND = (
+    FAKE[0],
+    "-c",
+    f"import runpy, sys\nsys.path.insert(0, {str(ROOT)!r}); sys.argv[0] = {FAKE[1]!r}\n"
+    "from analysis.driver import checkpoints, supervise\nfrom analysis.normalised.normalise import Normaliser\n"
+    "supervise.POLL_S, add = 3.0, Normaliser.cycle\n"
+    "def cycle(self, number):\n"
+    "    safe = [c.cycle for c in checkpoints.listed(self.folder / 'checkpoints') if c.is_certified()]\n"
+    "    print('ADDS', number, 'AFTER', max(safe))\n"
+    "    add(self, number)\n"
+    "Normaliser.cycle = cycle\n"
+    f"runpy.run_path({FAKE[1]!r}, run_name='__main__')",
+)
+
+
+def test_a_kill_costs_no_more_where_the_driver_falls_behind(tmp_path):
+    """The engine does all cycles while the driver sleeps: each checkpoint is certified before the next cycle counts."""
+    done = drive(FALLS_BEHIND, *LINEAR, "--results", tmp_path)
+    assert done.returncode == 0, done.stderr
+    said = re.findall(r"ADDS (\d+) AFTER (\d+)", done.stdout)
+    assert said == [(str(n), str(n - 1)) for n in range(1, CYCLES + 1)]
+
+
 def test_the_engine_dies_with_a_killed_driver(tmp_path):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     process = start(FAKE, *LINEAR, "--results", tmp_path)

@@ -173,10 +173,15 @@ class Supervisor:
         return min(self.row_step or 0, self.state_step or 0) >= step
 
     def _finish_cycles(self) -> None:
-        """Add each cycle that is complete on the disk, and has passed the watch, to the normalised files."""
+        """Add each cycle that is complete on the disk, and has passed the watch, to the normalised files.
+
+        The checkpoints before a cycle are certified before it is added: so a kill costs no more cycles where the driver
+        fell behind.
+        """
         while self._has_output_to((self.cycles + 1) * self.grid.steps_per_cycle) and self.normaliser.ready(
             self.cycles + 1
         ):
+            self._certify()
             self.normaliser.cycle(self.cycles + 1)
             self.cycles += 1
 
