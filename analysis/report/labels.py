@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Sequence
 
 from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD
 from analysis.formats.numbers import readable as number
@@ -43,6 +44,14 @@ def is_reading(scenario: str) -> bool:
 def short_name(scenario: str) -> str:
     """The label of scenarios.toml: `linear-mu0.8+servo` is linear μ 0.8, PFC servo."""
     return label_of(scenario)
+
+
+def with_labels(text: str, names: Sequence[str]) -> str:
+    """A text of data files with the labels of scenarios in place of their `names`."""
+    if not names:
+        return text
+    longest_first = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
+    return re.sub(rf"(?<![\w-])(?:{longest_first})(?![\w-])", lambda found: short_name(found.group()), text)
 
 
 def variant_name(variants: str) -> str:

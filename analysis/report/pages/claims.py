@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from analysis.comparison.claims import evidence
 from analysis.comparison.claims.verdicts import compare_readings
-from analysis.report.labels import READING_NAMES
-from analysis.report.report_data import ReportData
+from analysis.report.labels import READING_NAMES, with_labels
+from analysis.report.report_data import ReportData, known_scenarios
 from analysis.report.sentences import symbols
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table
@@ -59,6 +59,11 @@ def readings_table(found: list) -> Table | None:
     return table if table.rows else None
 
 
+def labelled(text: str) -> str:
+    """A text with scenarios by their labels."""
+    return with_labels(text, known_scenarios())
+
+
 def card(number: int, found: list) -> dict:
     """One claim: sentence, verdicts, criterion, and the parts that decide it."""
     claim = found[0].claim
@@ -74,7 +79,7 @@ def card(number: int, found: list) -> dict:
     for v in found:
         for check in v.checks:
             numbers = check.numbers.replace("+-", "±") or "–"
-            table.rows.append([where_of(v), check.what, chip_of(check.verdict), numbers])
+            table.rows.append([where_of(v), labelled(check.what), chip_of(check.verdict), labelled(numbers)])
     bases = "; ".join(dict.fromkeys(f"{where_of(v)}: {v.uncertainty}" for v in found if any(v.runs)))
     runs = dict.fromkeys(run for v in found for run in v.runs)
     table.note = f"Uncertainty: {bases}. Runs used: {', '.join(runs)}." if runs else ""
@@ -83,8 +88,10 @@ def card(number: int, found: list) -> dict:
         "title": claim.sentence,
         "verdicts": [(where_of(v), chip_of(v.verdict)) for v in found],
         "criterion": f"{claim.where}. {claim.quantity} {claim.criterion}",
-        "because": list(dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)),
-        "missing": "; ".join(dict.fromkeys(what for v in found for what in v.missing)),
+        "because": [
+            labelled(line) for line in dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)
+        ],
+        "missing": [labelled(what) for what in dict.fromkeys(what for v in found for what in v.missing)],
         "table": table,
         "notes": list(dict.fromkeys(note for v in found for note in v.notes)),
     }
