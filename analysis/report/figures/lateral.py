@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from analysis.comparison import quantities
 from analysis.normalised.readers import Run
@@ -99,6 +100,7 @@ def lateral_figure(
             draw_references(c, rows, "depth_m", MM, across=True, scale=MM)
         c.axes.set_ylim(335, -8)
         c.axes.axvline(0, color=SOFT, linewidth=0.7, zorder=1)
+        c.axes.xaxis.set_major_locator(MaxNLocator(4))
         c.axes.set(xlabel="outward displacement of the plates, mm", ylabel="depth below the sleeper, mm")
         c.axes.set_title(f"after {cycle} cycle{'s' if cycle > 1 else ''}")
         pending_mark(c, pending, rows)
