@@ -39,7 +39,7 @@ def pack(run: stage.Stage, _) -> None:
         O.dt = run.grid.step_s / math.sqrt(fraction)
         run.advance(s["packing.relax_steps"], block)
 
-    # 2. compaction with the lid off; what left the box goes
+    # 2. compaction with the lid off; clumps that left the box are deleted
     O.bodies.erase(lid)
     law.set_friction(s["packing.compaction_friction"], s["packing.compaction_friction"])
     newton.gravity = (0, 0, -s["packing.compaction_gravity"])
@@ -59,7 +59,7 @@ def pack(run: stage.Stage, _) -> None:
     run.advance(block * math.ceil((steps + 10) / block), block)
     O.engines = O.engines[:-1]
 
-    # 4. final friction, rest, and what left the box goes
+    # 4. final friction and rest; clumps that left the box are deleted
     law.set_friction(s["contact.particle_particle.friction"], s["contact.particle_wall.friction"])
     newton.damping = s["rest.local_damping"]
     run.advance_to_rest()

@@ -43,7 +43,7 @@ def preload(run: stage.Stage, _) -> None:
     run.start_state_file()
     run.control.start_file()
 
-    # 1. rest under gravity, sleeper and plates held; what left the box goes
+    # 1. rest under gravity, sleeper and plates held; clumps that left the box are deleted
     run.advance_to_rest()
     run.remove_outside()
 
