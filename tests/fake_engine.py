@@ -23,6 +23,7 @@ checkpoint = Path(sys.argv[3]) if len(sys.argv) > 3 else None
 raw, kept = run / "raw", run / "checkpoints"
 scenario = Scenario.from_json((run / "scenario.json").read_text())
 grid, blocks = derived.time_grid(scenario), scenario["output.blocks_per_cycle"]
+END_M = derived.apparatus(scenario).end_m
 behave = (run / "behave").read_text().strip() if (run / "behave").exists() else ""
 stop = []
 BLOCK_S = 0.5 if behave == "deaf" else 0.02
@@ -77,7 +78,7 @@ def load_row(step: int, x: float) -> None:
 
 
 def bed(label: str, x: float) -> None:
-    poses = "".join(f"{k},{0.06 + 0.03 * k + 0.01 * x},0.02,0.1,1.0,0.0,0.0,0.0\n" for k in (1, 2))
+    poses = "".join(f"{k},{END_M + 0.06 + 0.03 * k + 0.01 * x},0.02,0.1,1.0,0.0,0.0,0.0\n" for k in (1, 2))
     write_aside(raw / f"bed_{label}.csv", "id,x_m,y_m,z_m,qw,qx,qy,qz\n" + poses)
 
 
@@ -86,7 +87,7 @@ def contacts(label: str, x: float) -> None:
     write_aside(
         raw / f"contacts_{label}.csv",
         "clump_1,clump_2,x_m,y_m,z_m,nx,ny,nz,overlap_m,normal_force_N,shear_force_N,sliding\n"
-        f"1,2,{0.105 + 0.01 * x},0.02,0.1,1,0,0,1e-6,10,1,0\n",
+        f"1,2,{END_M + 0.105 + 0.01 * x},0.02,0.1,1,0,0,1e-6,10,1,0\n",
     )
 
 

@@ -1,6 +1,5 @@
 """What stands around the driver: the Makefile's variables, the set-up, the batch script, kept and deleted runs."""
 
-import ast
 import json
 import os
 import re
@@ -59,17 +58,24 @@ def test_a_scenario_of_any_name_reaches_every_command_as_it_was_typed(value):
 
 
 @pytest.mark.parametrize("jobs", ["-j1", "-j8"])
-def test_the_demo_is_four_runs_and_then_the_report_however_many_jobs(jobs):
+def test_the_demo_is_one_bed_three_runs_of_each_code_and_then_the_report_however_many_jobs(jobs):
     for _ in range(2):  # also the second time
         done = make("demo", jobs, "MAKE=make -o setup -o .venv/installed")  # -o is not handed down
         assert done.returncode == 0, done.stderr
-        *runs, report = map(ast.literal_eval, done.stdout.splitlines())
-        assert report[0] == "report"
-        asked = sorted((scenario, code) for _, scenario, code, *_ in runs)
-        codes = ("--code=liggghts", "--code=yade")
-        assert asked == [(scenario, code) for scenario in ("linear-mu0.8", "nonlinear-en1.0") for code in codes]
-        for code in codes:  # one after the other in each code: the second takes the bed of the first
-            assert [s for _, s, c, *_ in runs if c == code] == ["linear-mu0.8", "nonlinear-en1.0"]
+        # not line by line: what runs at the same time may share a line
+        packing, *runs = re.findall(r"\['run', '([^']+)', '--code=(\w+)'", done.stdout)
+        assert packing == ("linear-mu0.8", "liggghts") and done.stdout.count("'--until=packing'") == 1
+        names = ("linear-mu0.8", "nonlinear-en1.0", "nonlinear-en1.0+servo")
+        asked = [(name, "liggghts") for name in names] + [(f"{name}+same-bed", "yade") for name in names]
+        assert sorted(runs) == sorted(asked)
+        assert done.stdout.count("'--profile=demo'") == 7
+        assert done.stdout.splitlines()[-1].startswith("['report', '--demo'")
+
+
+def test_yade_runs_fewer_cycles_of_the_demo_unless_cycles_are_given():
+    done = make("demo")
+    assert len(re.findall(r"same-bed', '--code=yade'[^\]]*'--cycles=\d+'", done.stdout)) == 3
+    assert done.stdout.count("--cycles=") == 3 and make("demo", "CYCLES=1").stdout.count("'--cycles=1'") == 7
 
 
 # ---------------------------------------------------------------------- set-up

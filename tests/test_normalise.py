@@ -136,7 +136,7 @@ def test_stages_hold_the_packed_and_the_preloaded_bed(engine_output):
     preload = pd.read_csv(folder / "raw" / "preload.csv").iloc[-1]
     assert stages["preload"]["settlement_m"] == preload["sleeper_displacement_m"]
     assert stages["preload"]["lateral_3_m"] == preload["plate_3_displacement_m"]
-    for name in ("porosity_1", "coordination_number", "overlap_mean_m", "normal_force_mean_N"):
+    for name in ("porosity_3", "coordination_number", "overlap_mean_m", "normal_force_mean_N"):
         assert stages["preload"][name] == pytest.approx(structure[name], rel=1e-8)
     assert stages["preload"]["clumps"] == len(pd.read_csv(folder / "bed_before.csv"))
 
@@ -145,7 +145,9 @@ def test_porosity_is_the_same_in_both_tables(engine_output):
     folder = engine_output[1]
     cycles, structure = pd.read_csv(folder / "cycles.csv"), pd.read_csv(folder / "microstructure.csv")
     for k in file_columns.SPHERES:
-        assert cycles[f"porosity_{k}"].to_numpy() == pytest.approx(structure[f"porosity_{k}"][1:].to_numpy(), rel=1e-8)
+        other = structure[f"porosity_{k}"][1:].to_numpy()
+        assert cycles[f"porosity_{k}"].to_numpy() == pytest.approx(other, rel=1e-8, nan_ok=True)
+    assert cycles["porosity_3"].notna().all()  # the only sphere that fits into the demo bed
 
 
 def test_beds_are_kept_as_asked(engine_output):
