@@ -12,7 +12,7 @@ def bonded_scenarios(tmp_path_factory):
     """The small bed with bonds of which some break under this load; checkpoints after every cycle."""
     path = write_scenarios(
         tmp_path_factory.mktemp("bonded") / "scenarios.toml",
-        normal_strength="3e6",
+        normal_strength="1e6",
         checkpoint_cycles="1",
     )
     text = path.read_text()

@@ -31,7 +31,7 @@ def test_a_bed_is_read_with_its_choice_and_its_settlement(tmp_path):
     folder = write_run(tmp_path, "demo", "linear-mu0.8", "liggghts", cycles=3)
     row = calibrate.row(scenario, Run(folder))
     assert row["aspect"] == scenario["clump.aspect"] and row["cycles"] == 3
-    assert row["clumps_over_reported"] == pytest.approx(row["clumps"] / (4583 * 0.12))
+    assert row["clumps_over_reported"] == pytest.approx(row["clumps"] / (4583 * 0.275 / 0.8))
     assert row["preload_settlement_m"] == 4e-4 and row["settlement_m"] == Run(folder).cycles["settlement_m"].iloc[-1]
 
 
@@ -104,9 +104,9 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
 
 
 def test_a_bed_that_failed_is_not_tried_again_but_its_packing_is_known(tmp_path, capsys):
-    scenario = load_scenario("linear-mu0.8", "demo", cycles=3)
+    scenario = load_scenario("linear-mu0.8", "full", cycles=3)
     where = tmp_path / f"calibration/aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
-    folder = write_run(where, "demo", "linear-mu0.8", "liggghts", cycles=1)
+    folder = write_run(where, "full", "linear-mu0.8", "liggghts", cycles=1)
     bare_record(scenario, "liggghts", state="failed", reason="loads not met").write(folder)
     (folder / "stages.json").unlink()
     (folder / "raw").mkdir(exist_ok=True)

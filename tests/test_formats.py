@@ -70,6 +70,7 @@ def test_liggghts_writes_the_columns_declared():
         "CYCLES",
         "HARMONICS",
         "HISTORY",
+        "LOOPS",
         "MICROSTRUCTURE",
         "BOND_COUNTS",
         "BONDS_BROKEN",

@@ -95,7 +95,7 @@ def check_count(clumps):
 
 
 def test_beds_to_start_from(tmp_path):
-    places = [(0.1 + 0.06 * k, 0.036, 0.05 + 0.06 * n) for k in range(10) for n in range(2)]
+    places = [(0.56 + 0.05 * k, 0.05 + 0.15 * n, 0.05) for k in range(5) for n in range(4)]
     bed_file.write(tmp_path / "bed.csv", [(n, *at, 1.0, 0.0, 0.0, 0.0) for n, at in enumerate(places, start=1)])
     scenario = load_scenario("linear-mu0.8", "demo")
     refused = fuzz(tmp_path / "bed.csv", OF_TABLES, lambda path: beds.check_fits(path, scenario), check_count)
