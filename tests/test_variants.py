@@ -127,7 +127,7 @@ def test_a_variant_of_ones_own_is_added_by_a_few_lines(tmp_path):
 
 
 def test_the_variant_in_the_contributing_guide_works(tmp_path):
-    guide = SCENARIO_FILE.with_name("CONTRIBUTING.md").read_text().split("## Add a variant")[1]
+    guide = SCENARIO_FILE.with_name("CONTRIBUTING.md").read_text().split("### A new variant")[1]
     path = tmp_path / "guide.toml"
     path.write_text(SCENARIO_FILE.read_text() + "\n" + re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1])
     (added,) = set(variant_names(path)) - set(variant_names())
