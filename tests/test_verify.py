@@ -397,3 +397,15 @@ def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
     results, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
     assert [(row.case, row.passed) for row in results.rows] == [("wall-dashpot", False), ("load-control", False)]
     assert "out of order" in results.rows[0].reason
+
+
+def test_the_kept_result_passes_and_has_every_case():
+    kept = ROOT / "reference_data" / "verification"
+    with open(kept / "verification.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["case"] for row in rows} == {case.name for case in verify.CASES}, (
+        "ballast verify --out reference_data/verification"
+    )
+    assert all(row["passed"] == "true" for row in rows), [row for row in rows if row["passed"] != "true"]
+    for code in engines.CODES:
+        assert list((kept / "verification").glob(f"*_{code}.csv")), "the curves of both codes"
