@@ -113,7 +113,7 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_is_used(code, undistur
 
 def test_a_stop_in_mid_cycle_does_not_change_the_run(scenario, code, begin, tmp_path):
     """Asked to stop in the second cycle, a few blocks after a checkpoint that the undisturbed run has too."""
-    blocks, cycles = 8, 60 if code == "liggghts" else 10  # so many that the signal comes before the end on any machine
+    blocks, cycles = 8, 24 if code == "liggghts" else 10  # so many that the signal comes before the end on any machine
     expected, arguments = begin(tmp_path / "whole", scenario, code, cycles)
     assert drive(REAL, *arguments).returncode == 0
     folder, arguments = begin(tmp_path, scenario, code, cycles)
