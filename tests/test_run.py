@@ -421,7 +421,7 @@ HEADER = ",".join(file_columns.BED)
         (HEADER + "\n1,0.1,0.05,0.1,1,0,0\n", "line 2 is no clump"),
         (HEADER + "\n1,0.1,0.05,0.1,2,0,0,0\n", "line 2 has a quaternion of length 2"),
         (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n1,0.1,0.05,0.2,1,0,0,0\n", "line 3 gives clump 1 again"),
-        (HEADER + "\n1,0.1,0.05,0.1,1,0,0,0\n2,0.1,0.59,0.1,1,0,0,0\n", "line 3 lies outside the box"),
+        (HEADER + "\n1,0.6,0.05,0.1,1,0,0,0\n2,0.6,0.61,0.1,1,0,0,0\n", "line 3 lies outside the box"),
         (HEADER + "\n1,0.1,0.05,nan,1,0,0,0\n", "line 2: z_m"),
     ],
 )

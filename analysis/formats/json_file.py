@@ -27,6 +27,8 @@ def read(path: Path, kind: type = dict, remedy: str = REMEDY):
         content = path.read_bytes()
     except FileNotFoundError:
         raise
+    except NotADirectoryError as error:  # something above it is a file: it is not there either
+        raise FileNotFoundError(error.errno, error.strerror, str(path)) from None
     except OSError as error:
         raise InputError(path.name, allowed=f"cannot be read ({reason(error)}); {remedy}") from None
     return parse(path.name, content, kind, remedy)
