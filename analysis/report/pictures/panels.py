@@ -174,12 +174,12 @@ def bed_panel(
         for spine in bar.spines.values():
             spine.set_visible(False)
         c.figure.text(
-            0.43,
-            (style.STAMP_HEIGHT + 0.355) / height,
+            0.44,
+            (style.STAMP_HEIGHT + 0.44) / height,
             "clump displacement, mm",
             fontsize=12,
-            va="center",
-            ha="right",
+            va="bottom",
+            ha="left",
             color=style.INK,
         )
     c.table = (
