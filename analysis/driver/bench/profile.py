@@ -18,10 +18,12 @@ from analysis.driver.engine import EngineError
 from analysis.driver.process import EngineProcess, descendants
 
 COLUMNS = ("code", "law", "part", "share")
-SAMPLES_PER_S = 499
-SAMPLED_S = 15.0
+SAMPLES_PER_S = 1999
+SAMPLED_S = 2.0
+"""A cycle of LIGGGHTS takes four seconds, and no more than one is simulated."""
 POLL_S = 0.2
 OTHER = "other"
+UNNAMED = "functions without a name, in libraries stripped of symbols"
 
 PARTS = {
     "liggghts": (
@@ -116,4 +118,7 @@ def part_of(symbol: str, code: str) -> str:
     """The part that a function belongs to."""
     if KERNEL.match(symbol):
         return OTHER
-    return next((part for part, pattern in PARTS[code] if re.search(pattern, symbol.partition("]")[2].strip())), OTHER)
+    name = symbol.partition("]")[2].strip()
+    if name.startswith("0x"):
+        return UNNAMED
+    return next((part for part, pattern in PARTS[code] if re.search(pattern, name)), OTHER)
