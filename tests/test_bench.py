@@ -8,6 +8,7 @@ import pytest
 from analysis.driver.bench import beds, profile, stock, tables
 from analysis.driver.bench.meter import measure
 from analysis.driver.engine import EngineError
+from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 
@@ -111,6 +112,15 @@ def test_without_a_baseline_ours_are_compared_with_stock_only():
 
 def test_the_exponent_of_a_power_law_is_found():
     assert tables.exponent([(n, 5e6 / n) for n in (500, 1500, 4573)]) == pytest.approx(-1, abs=1e-12)
+
+
+def test_a_timing_without_wall_time_is_read_back(tmp_path):
+    """The stock YADE script times itself, in processor time only."""
+    table = GrowingCsv(tmp_path / "timings.csv", tables.TIMINGS)
+    table.start()
+    table.append([("yade", "linear", "stock", 4573, 1, 400, 17216, 6.0, float("nan"), 1.0)])
+    (row,) = tables.read_timings(table.path)
+    assert row["cpu_s"] == 6.0 and np.isnan(row["wall_s"])
 
 
 def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):

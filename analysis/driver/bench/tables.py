@@ -25,7 +25,7 @@ def read_timings(path: Path) -> list[dict]:
         return []
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    return [{k: v if k in TIMINGS[:3] else float(v) for k, v in row.items()} for row in rows]
+    return [{k: v if k in TIMINGS[:3] else float(v or "nan") for k, v in row.items()} for row in rows]
 
 
 def speeds(timings: list[dict]) -> dict[tuple, tuple[float, float]]:
@@ -107,5 +107,13 @@ def renew(table: Path, columns: tuple, rows: list[tuple], key: tuple) -> None:
         with open(table, newline="", encoding="utf-8") as file:
             kept = [tuple(row[name] for name in columns) for row in csv.DictReader(file)]
     others = [row for row in kept if tuple(row[n] for n in places) not in timed]
-    # stable: rows of one key stay in the order in which they came
-    write_csv(table, [columns, *sorted((*others, *rows), key=lambda row: tuple(str(row[n]) for n in places))])
+    in_order = sorted((*others, *rows), key=lambda row: [_number(row[n]) for n in places])  # stable within a key
+    write_csv(table, [columns, *in_order])
+
+
+def _number(cell) -> tuple:
+    """Sorts names before numbers, and numbers by size."""
+    try:
+        return (1, float(cell))
+    except ValueError:
+        return (0, cell)
