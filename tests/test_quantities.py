@@ -11,6 +11,7 @@ from analysis import load_runs
 from analysis.comparison import against_published, codes, quantities
 from analysis.driver.keep import keep
 from analysis.formats.quantities import QUANTITIES
+from analysis.normalised.sleeper_work import sleeper_work
 from analysis.reference.curves import References
 from analysis.scenarios import derived
 
@@ -85,7 +86,7 @@ def test_a_run_without_history_has_the_work_of_its_harmonics(results, tmp_path):
     (whole,) = load_runs(results, scenario="nonlinear-en1.0", quiet=True)
     keep(whole.folder, tmp_path / "full" / "nonlinear-en1.0" / "liggghts")
     (kept,) = load_runs(tmp_path)
-    assert not quantities.loop_energy(kept)
+    assert not sleeper_work(kept)
     # 1 %: the synthetic settlement between two minima is no pure sinusoid
     assert quantities.per_cycle(kept)["loop_energy_J"].to_numpy() == pytest.approx(
         quantities.per_cycle(whole)["loop_energy_J"].to_numpy(), rel=0.01
@@ -104,11 +105,11 @@ def test_loops_need_a_whole_cycle(results):
     run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
     history = run.history
     run.history = history[(history["cycle"] < 2.1) | (history["cycle"] > 2.6)]
-    assert sorted(quantities.loop_energy(run)) == [1, 2, 4, 5, 6]
+    assert sorted(sleeper_work(run)) == [1, 2, 4, 5, 6]
     run.history = history[history["cycle"] <= 4.5]
-    assert sorted(quantities.loop_energy(run)) == [1, 2, 3, 4]
+    assert sorted(sleeper_work(run)) == [1, 2, 3, 4]
     run.history = history.iloc[::8]
-    assert quantities.loop_energy(run) == {}
+    assert sleeper_work(run) == {}
     run.history = history.iloc[:0]
     assert quantities.per_cycle(run)["loop_energy_J"].isna().all()
 

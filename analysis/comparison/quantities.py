@@ -15,13 +15,12 @@ import pandas as pd
 from analysis.comparison import settlement_fits
 from analysis.formats import file_columns
 from analysis.formats.quantities import QUANTITIES, row_of
+from analysis.normalised.sleeper_work import sleeper_work
 from analysis.scenarios import derived
 
 CYCLES_SHOWN = (1, 10, 100, 1000)
 LEAST_LATE_CYCLES = 10
 """A late slope takes at least this many cycles."""
-LEAST_LOOP_ROWS = 16
-"""A loop of fewer rows is too coarse for its area."""
 
 RATE_EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Cycles between which the rate of settling is taken: a logarithm falls by half or more from each span to the next."""
@@ -90,7 +89,7 @@ def per_cycle(run) -> pd.DataFrame:
             "resilient_stroke_m": stroke,
             "peak_acceleration_m_s2": stroke / 2 * (2 * math.pi * frequency) ** 2,
             "secant_stiffness_N_m": stiffness,
-            "loop_energy_J": cycles["cycle"].map(loop_energy(run) or harmonic_energy(run)).astype(float),
+            "loop_energy_J": cycles["cycle"].map(sleeper_work(run) or harmonic_energy(run)).astype(float),
             "porosity_spread": spheres.max(axis=1, skipna=False) - spheres.min(axis=1, skipna=False),
             "tracking_ratio": cycles["tracking_rms_Pa"]
             / (run.scenario["loading.stress_max"] if run.scenario is not None else math.nan),
@@ -98,31 +97,8 @@ def per_cycle(run) -> pd.DataFrame:
     )
 
 
-def loop_energy(run) -> dict[int, float]:
-    """Work (J) that the sleeper does on the bed in each cycle whose history is whole: {cycle: work}.
-
-    The integral of measured stress x area over settlement, from minimum load to minimum load. It counts the permanent
-    part of the settlement, too; where the loop closes it is the loop's area.
-    """
-    history = run.history[["cycle", "sleeper_stress_Pa", "settlement_m"]].dropna()
-    if run.scenario is None or len(history) < LEAST_LOOP_ROWS:
-        return {}
-    area = derived.apparatus(run.scenario).sleeper_area_m2
-    at, stress, down = history.to_numpy(dtype=float).T
-    spacing = np.median(np.diff(at))
-    work = np.r_[0, np.cumsum(area * (stress[1:] + stress[:-1]) / 2 * np.diff(down))]
-    energies = {}
-    for n in range(max(1, math.ceil(at[0] + 1 - 1e-6)), math.floor(at[-1] + 1e-6) + 1):
-        first, last = np.searchsorted(at, [n - 1 - 1e-6, n - 1e-6])
-        steps = np.diff(at[first : last + 1])
-        whole = last < len(at) and abs(at[first] - n + 1) < 1e-6 and abs(at[last] - n) < 1e-6
-        if whole and last - first >= LEAST_LOOP_ROWS and steps.max() < 1.5 * spacing:
-            energies[n] = float(work[last] - work[first])
-    return energies
-
-
 def harmonic_energy(run) -> dict[int, float]:
-    """What `loop_energy` gives, from the first harmonics of a run kept without its history: {cycle: work in J}.
+    """What `sleeper_work` gives, from the first harmonics of a run kept without its history: {cycle: work in J}.
 
     Exact for a sinusoidal load F_0 + F_1 cos: by parts, its work is F_1 x_1 pi sin(lag of x behind F), and the load at
     the cycle's end times the cycle's permanent settlement.

@@ -16,7 +16,6 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
 from analysis import files
@@ -29,6 +28,7 @@ from analysis.driver.supervise import Interrupted, StopRequest
 from analysis.formats.quantities import row_of
 from analysis.normalised import critical_step
 from analysis.normalised.readers import TIMESTEP, Run, load_runs
+from analysis.normalised.sleeper_work import sleeper_work
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
@@ -171,26 +171,17 @@ def rows_of(run: Run | None, want: Wanted, critical_s: float) -> list[dict]:
     if not run:
         return [same | {"cycle": CYCLES, "state": "pending"}]
     same |= {"run": run.id, "bed": bed_of(run)}
+    work = sleeper_work(run)
     cycles, energies = run.cycles.set_index("cycle"), run.microstructure.set_index("cycle")
     rows = [
         same
         | {name: cycles.at[n, name] for name in ("settlement_m", *row_of("lateral_{}_m"), *row_of("porosity_{}"))}
         | {"cycle": n, "kinetic_energy_J": energies["kinetic_energy_J"].get(n, math.nan)}
-        | {"sleeper_work_J": sleeper_work(run, n), "state": "done"}
+        | {"sleeper_work_J": work.get(n, math.nan), "state": "done"}
         for n in SHOWN
         if n in cycles.index
     ]
     return rows if CYCLES in cycles.index else [*rows, same | {"cycle": CYCLES, "state": "pending"}]
-
-
-def sleeper_work(run: Run, cycle: int) -> float:
-    """Work of the sleeper on the bed in a cycle, J: what friction and dashpots take up, and what the bed keeps."""
-    rows = run.history
-    rows = rows[(rows["cycle"] > cycle - 1 - 1e-9) & (rows["cycle"] < cycle + 1e-9)]
-    if len(rows) < 3:
-        return math.nan
-    force = rows["sleeper_stress_Pa"].to_numpy() * derived.apparatus(run.scenario).sleeper_area_m2
-    return float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(rows["settlement_m"].to_numpy())))
 
 
 def bed_of(run: Run) -> str:
