@@ -1,5 +1,6 @@
 """What stands around the driver: the Makefile's variables, the set-up, the batch script, kept and deleted runs."""
 
+import gzip
 import json
 import os
 import re
@@ -257,6 +258,19 @@ def test_keep_says_what_it_kept_and_leaves_nothing_of_an_older_keep(run):
     assert sorted(path.name for path in target.iterdir()) == sorted([*there, "harmonics.csv", "loops.csv"])
     assert all((target / name).read_bytes() == (folder / name).read_bytes() for name in there)
     assert [path.name for path in target.parent.iterdir()] == [target.name]
+
+
+def test_the_packed_bed_of_the_study_is_kept_for_others_to_start_from(run):
+    folder, target = run
+    beds = target.parents[2] / "beds"
+    packed = folder / "raw" / "bed_packed.csv"
+    assert keep.keep_bed(folder, beds) is None and not beds.exists(), "a bed of the test profile is not the study's"
+    change_state(folder, profile="full", seed=2)
+    kept = keep.keep_bed(folder, beds)
+    assert kept == beds / "yade-seed2.csv.gz" and gzip.decompress(kept.read_bytes()) == packed.read_bytes()
+    assert [path.name for path in beds.iterdir()] == [kept.name]
+    change_state(folder, bed="linear-mu0.8/liggghts")
+    assert keep.keep_bed(folder, beds) is None, "the bed is another run's"
 
 
 def test_a_failed_run_is_kept_only_when_asked(run):

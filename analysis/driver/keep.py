@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gzip
 import shutil
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from analysis.files import ROOT, sync, write_csv
 from analysis.formats.numbers import short
 from analysis.formats.run_record import RunRecord
 from analysis.normalised.readers import Run
+from analysis.scenarios import study
 
 KEPT = ROOT / "reference_data" / "runs"
 NEEDED = ("run.json", "scenario.json", "stages.json")
@@ -76,6 +78,25 @@ def keep_of_history(folder: Path, target: Path) -> None:
             write_csv(target / name, [list(table.columns), *(map(short, row) for row in table.to_numpy())])
 
 
+def keep_bed(folder: Path, beds: Path) -> Path | None:
+    """Compress the bed that the run in `folder` packed itself into `beds`, for others to start from; None where it took
+    another's, or where the run is not the one whose bed all scenarios of its code and seed share.
+    """
+    body = RunRecord.read(folder)
+    packed = folder / "raw" / "bed_packed.csv"
+    shared = body.bed == "own" and not body.variant and body.scenario == study.key_scenarios()[0]
+    if not shared or body.profile != study.profile() or not packed.is_file():
+        return None
+    target = beds / f"{body.code}-seed{body.seed}.csv.gz"
+    if not target.exists() or gzip.decompress(target.read_bytes()) != packed.read_bytes():
+        beds.mkdir(parents=True, exist_ok=True)
+        aside = target.with_name(f".{target.name}")
+        aside.write_bytes(gzip.compress(packed.read_bytes(), 9, mtime=0))
+        sync(aside)
+        aside.replace(target)
+    return target
+
+
 def add_arguments(parser: Parser) -> None:
     """Arguments of `ballast keep`."""
     options.add_identity(parser)
@@ -88,11 +109,13 @@ def execute(chosen: argparse.Namespace) -> int:
     target = options.folder(chosen, chosen.out)
     try:
         what = keep(options.folder(chosen), target, chosen.failed)
+        bed = keep_bed(options.folder(chosen), chosen.out / "beds")
     except ValueError as error:  # KeepError and InputError
         print(f"keep: {error}", file=sys.stderr)
         return 1
     except OSError as error:
         print(f"keep: {error.filename}: {error.strerror}; nothing was kept, mend that and try again", file=sys.stderr)
         return 1
-    print(f"kept in {relative(target)}: {what}; git add and commit it")
+    beside = f", its packed bed in {relative(bed)}" if bed else ""
+    print(f"kept in {relative(target)}{beside}: {what}; git add and commit it")
     return 0
