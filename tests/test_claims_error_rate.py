@@ -278,6 +278,24 @@ def computing_time(rng, claim):
     return runs, references()
 
 
+def settles_as_chen(rng, claim):
+    """The bonded model settles as much less as the threshold allows."""
+
+    def build(s, factor):
+        return {"settlement": 5e-3 * factor / (1 if s == LINEAR else claim.thresholds["alike"])}
+
+    return study(rng, claim, build), references()
+
+
+def chen_lateral(rng, claim):
+    """The experiment is in the middle between the two models."""
+
+    def build(s, factor):
+        return {"lateral": profiles(6e-3 if s == LINEAR else 4e-3, 1 + 0.5 * (factor - 1))}
+
+    return study(rng, claim, build), references(*lateral_curves([5e-3] * 3))
+
+
 TRUTHS = {
     1: (exponential_start, exponential_start_where_the_linear_share_is_zero),
     2: (late_slope,),
@@ -290,6 +308,8 @@ TRUTHS = {
     9: (porosity_order,),
     10: (preload_drop,),
     11: (computing_time,),
+    12: (settles_as_chen,),
+    13: (chen_lateral,),
 }
 
 

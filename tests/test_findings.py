@@ -230,6 +230,19 @@ def test_settlement_by_the_servo_is_split_where_it_was_measured(tmp_path):
         find(load_runs(tmp_path), load_references())
 
 
+# ------------------------------------------------------------------ bonds
+
+
+def test_bonds_made_and_broken_are_told_at_shown_cycles_and_the_last(tmp_path):
+    folder = write_run(tmp_path, "full", "chen2015", "liggghts", 6)
+    rows = "".join(f"{n},{100 - 2 * n},{n},{n}\n" for n in range(7))
+    (folder / "bonds.csv").write_text("cycle,bonds,bonds_broken_tension,bonds_broken_shear\n" + rows)
+    write_run(tmp_path, "full", "linear-mu0.8", "liggghts", 6)
+    table = find(load_runs(tmp_path), load_references()).bonds
+    assert list(table["cycle"]) == [0, 1, 2, 5, 6] and set(table["scenario"]) == {"chen2015"}
+    assert set(table["bonds_made"]) == {100} and table["broken_share"].tolist() == [0, 0.02, 0.04, 0.1, 0.12]
+
+
 # ------------------------------------------------------------------ influence
 
 

@@ -58,3 +58,28 @@ def test_a_list_of_bonds_that_is_none_is_named(run):
     (run / "raw" / "bonds_cycle_000003.csv").write_text("a,b\n1,2\n")
     with pytest.raises(ValueError, match=r"raw/bonds_cycle_000003.csv"):
         bonds.write(run, SCENARIO, 3)
+
+
+def test_broken_bonds_are_read_as_they_were_written(run):
+    bonds.write(run, SCENARIO, 3)
+    broken = bonds.read_broken(run / bonds.BROKEN)
+    assert list(broken["cycle"]) == [0, 1, 3] and list(broken["mode"]) == ["tension", "shear", "tension"]
+    assert broken[["x_m", "y_m", "z_m"]].to_numpy().tolist() == [[0.4, 0.5, 0.6]] * 3
+
+
+@pytest.mark.parametrize(
+    "content, said",
+    [
+        ("", "No columns"),
+        ("cycle,x_m\n", "line 1: expected cycle,x_m,y_m,z_m,mode"),
+        ("cycle,x_m,y_m,z_m,mode\n1,0,0,0,tension\n1,0,x,0,shear\n", "line 3"),
+        ("cycle,x_m,y_m,z_m,mode\n1,0,0,0,torn\n", "line 2"),
+        ("cycle,x_m,y_m,z_m,mode\n1,0,0\n", "line 2"),
+    ],
+)
+def test_a_damaged_list_of_broken_bonds_is_named_with_its_line(tmp_path, content, said):
+    path = tmp_path / bonds.BROKEN
+    path.write_text(content)
+    with pytest.raises(ValueError, match=rf"^bonds_broken.csv.*{said}") as caught:
+        bonds.read_broken(path)
+    assert "\n" not in str(caught.value)

@@ -208,6 +208,11 @@ def full(tmp_path_factory):
         contacts=False,
         info={"scenario": "linear-mu0.8", "variant": "plates-fixed", "reason": "<script>alert(1)</script>"},
     )
+    bonded = write_run(results, "full", "chen2015", cycles=12, law=("line", {"a": 1e-4, "b": 1e-6}), contacts=False)
+    counts = "".join(f"{n},{90 - n},{n},0\n" for n in range(13))
+    (bonded / "bonds.csv").write_text("cycle,bonds,bonds_broken_tension,bonds_broken_shear\n" + counts)
+    broken = "".join(f"{n},0.4,0.3,0.2,tension\n" for n in range(1, 13))
+    (bonded / "bonds_broken.csv").write_text("cycle,x_m,y_m,z_m,mode\n" + broken)
     return results, root / "report", build(results, root / "report")
 
 
@@ -261,6 +266,18 @@ def test_every_figure_of_the_paper_is_drawn_in_both_readings(full):
         for name in ("figure11", "figure12"):
             assert f"{name}-{reading}-en1" in full[2]["figures.html"].ids
         assert (full[1] / "figures" / f"figure10-lateral-{reading}-1000.svg").exists(), "an empty frame, but a frame"
+
+
+def test_the_bonded_model_stands_beside_the_papers_two_and_its_bonds_are_counted_and_placed(full):
+    page = full[2]["figures.html"]
+    for name in ("bonded-settlement-true-load", "bonded-lateral-true-load", "bonds", "broken-bonds"):
+        assert name in page.ids, name
+    assert "It is not their published curve, which is pending" in page.says
+    assert "12 90 12 0 13.3" in page.says, "cycle, made, broken in tension, in shear, %"
+    places = pd.read_csv(full[1] / "figures" / "broken-bonds-chen2015-liggghts-x.csv")
+    assert len(places) == 12 and set(places["mode"]) == {"tension"}
+    claims = full[2]["claims.html"]
+    assert "claim-12" in claims.ids and "Judged from our own run of that model" in claims.says
 
 
 def test_servo_and_influence_have_their_pages(full):
@@ -478,10 +495,11 @@ def _seen(colour, defect):
 @pytest.mark.parametrize("defect", ["none", "protan", "deutan", "tritan"])
 @pytest.mark.parametrize("page", [0, 1], ids=["light", "dark"])
 def test_hues_of_the_families_stay_apart(defect, page):
-    hues = [style.PALETTE[name][page] for name in ("linear", "nonlinear", "md0", "md1", "md2")]
-    for n, one in enumerate(hues):
-        for other in hues[:n]:
-            assert np.linalg.norm(_seen(one, defect) - _seen(other, defect)) > 15, (one, other)
+    for drawn_together in (("linear", "nonlinear", "md0", "md1", "md2"), ("linear", "nonlinear", "bonded")):
+        hues = [style.PALETTE[name][page] for name in drawn_together]
+        for n, one in enumerate(hues):
+            for other in hues[:n]:
+                assert np.linalg.norm(_seen(one, defect) - _seen(other, defect)) > 15, (one, other)
 
 
 def test_names_of_curves_can_be_read():

@@ -10,10 +10,14 @@ import csv
 import math
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
 from analysis import files
 from analysis.formats import file_columns
-from analysis.formats.errors import InputError
+from analysis.formats.errors import InputError, one_line
 from analysis.formats.growing_csv import GrowingCsv
+from analysis.laws_bond import SHEAR, TENSION
 from analysis.scenarios import derived
 
 COUNTS, BROKEN = "bonds.csv", "bonds_broken.csv"
@@ -44,8 +48,24 @@ def write(folder: Path, scenario, done: int) -> None:
     counts = []
     for cycle in range(done + 1):
         modes = [row[-1] for row in broken if row[0] <= cycle]
-        counts.append((cycle, len(rows) - len(modes), modes.count("tension"), modes.count("shear")))
+        counts.append((cycle, len(rows) - len(modes), modes.count(TENSION), modes.count(SHEAR)))
     _write(folder / COUNTS, file_columns.BOND_COUNTS, counts)
+
+
+def read_broken(path: Path) -> pd.DataFrame:
+    """bonds_broken.csv, see `file_columns.BONDS_BROKEN`; InputError where it is damaged."""
+    try:
+        frame = pd.read_csv(path, dtype={"mode": str}, encoding="ascii")
+    except (ValueError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        raise InputError(path.name, allowed=f"{one_line(error)}; restore it from raw/") from None
+    if tuple(frame) != file_columns.BONDS_BROKEN:
+        raise InputError(path.name, "line 1:", allowed=f"expected {','.join(file_columns.BONDS_BROKEN)}")
+    numbers = frame.drop(columns="mode").apply(pd.to_numeric, errors="coerce")
+    good = np.isfinite(numbers.to_numpy(dtype=float)).all(axis=1) & frame["mode"].isin((TENSION, SHEAR)).to_numpy()
+    if not good.all():
+        line = int(np.argmin(good)) + 2
+        raise InputError(path.name, f"line {line}:", allowed="expected a cycle, a place and tension or shear")
+    return numbers.assign(mode=frame["mode"]).astype({"cycle": "int64"})
 
 
 def _read(path: Path) -> list[dict[str, str]]:

@@ -18,7 +18,7 @@ import pandas as pd
 from analysis.formats import file_columns, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
-from analysis.normalised import beds, harmonics, microstructure, stages
+from analysis.normalised import beds, bonds, harmonics, microstructure, stages
 from analysis.normalised.frames import empty_table, read_table
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
@@ -148,6 +148,19 @@ class Run:
     def microstructure(self) -> pd.DataFrame:
         """One row per cycle, row 0 before loading, see `analysis.formats.file_columns.MICROSTRUCTURE`."""
         return self._table("microstructure.csv", file_columns.MICROSTRUCTURE, whole=True)
+
+    @cached_property
+    def bonds(self) -> pd.DataFrame:
+        """One row per cycle, row 0 before loading, see `file_columns.BOND_COUNTS`; no rows for a run without bonds."""
+        if not (self.folder / bonds.COUNTS).exists():
+            return empty_table(file_columns.BOND_COUNTS)
+        return self._table(bonds.COUNTS, file_columns.BOND_COUNTS, whole=True)
+
+    @cached_property
+    def bonds_broken(self) -> pd.DataFrame:
+        """One row per broken bond, see `file_columns.BONDS_BROKEN`; no rows for a run without bonds."""
+        broken = self._optional(bonds.BROKEN, bonds.read_broken)
+        return pd.DataFrame(columns=file_columns.BONDS_BROKEN) if broken is None else broken
 
     @cached_property
     def harmonics(self) -> pd.DataFrame:

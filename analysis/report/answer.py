@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from analysis.comparison.claims.evidence import PAPER
 from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SERVO
@@ -136,7 +137,10 @@ def states(agreement: pd.DataFrame) -> dict[str, int]:
 
 
 def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """Number of claims with each verdict, by code and reading: code, reading, verdict, claims, numbers."""
+    """Number of claims about the paper's models with each verdict, by code and reading: code, reading, verdict, claims,
+    numbers.
+    """
+    verdicts = verdicts[verdicts["about"] == PAPER] if "about" in verdicts else verdicts
     if verdicts.empty:
         return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "numbers"])
     table = verdicts if "reading" in verdicts else verdicts.assign(reading=READINGS[0])

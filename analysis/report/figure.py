@@ -72,11 +72,13 @@ class Curve:
 
 
 def family_of(scenario: Scenario | None) -> str:
-    """Which hue a scenario gets: linear, nonlinear (e_n = 1), md0, md1, md2, or other where its parameters are
+    """Which hue a scenario gets: bonded, linear, nonlinear (e_n = 1), md0, md1, md2, or other where its parameters are
     unknown.
     """
     if scenario is None:
         return "other"
+    if scenario["contact.bond.model"] != "none":
+        return "bonded"
     if scenario["contact.model"] == "linear":
         return "linear"
     if scenario["contact.particle_particle.restitution"] == 1:

@@ -33,6 +33,8 @@ def _named(ask: Callable[[], Sequence[str]]) -> tuple[str, ...]:
 KEY_SCENARIOS = _named(key_scenarios)
 """The linear and the nonlinear one that the paper's discussion rests on."""
 PAPER_SCENARIOS = _named(lambda: scenario_names(group="paper"))
+CHEN_SCENARIOS = _named(lambda: scenario_names(group="chen2015"))
+"""Our own runs of Chen et al.'s model."""
 
 
 @dataclass

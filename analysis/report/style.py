@@ -34,6 +34,7 @@ PALETTE = {  # light page, dark page
     "md1": ("#009876", "#4de2af"),
     "md2": ("#a47e00", "#eacd4d"),
     "servo": ("#c2187a", "#ff86c2"),
+    "bonded": ("#7b2d6b", "#d48ac8"),
     "other": ("#5b5f66", "#b3b9c1"),
     "reference": ("#111418", "#f5f6f7"),
 }

@@ -24,9 +24,12 @@ from analysis.comparison.claims.claimed_quantities import (
 )
 from analysis.comparison.claims.evidence import Check, Evidence, Measured, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
+from analysis.scenarios.scenario import scenario_names
 from analysis.scenarios.study import key_scenarios
 
 LINEAR, NONLINEAR = key_scenarios()
+(BONDED,) = scenario_names(group="chen2015")
+MODELS = {LINEAR: "linear", NONLINEAR: "nonlinear", BONDED: "bonded"}
 Judge = Callable[[Evidence, dict], Iterator[Check]]
 CHECKS: dict[str, Judge] = {}
 """Claims by their id."""
@@ -125,7 +128,7 @@ def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
             "-",
             lambda lin, non: lin - non,
             *e.profile_errors(cycle, LINEAR, NONLINEAR),
-            without_curve=_nearer_profile(e, cycle),
+            without_curve=_nearer_profile(e, cycle, NONLINEAR, LINEAR),
         )
     yield e.check(
         f"comparable after cycle {t['cycles']}",
@@ -268,6 +271,33 @@ def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
     yield e.check(what, "s", lambda lin, non: t["ratio"] * lin - non, time[LINEAR], time[NONLINEAR])
 
 
+@judges
+def settles_as_chen(e: Evidence, t: dict) -> Iterator[Check]:
+    """Claim 12."""
+    for cycle in (t["early"], e.common_cycle(t["cycles"])):
+        settled = e.measure(f"settlement after cycle {cycle}", lambda r, n=cycle: settlement(r, n), cycle)
+        yield e.check(
+            f"alike after cycle {cycle}",
+            "m",
+            lambda lin, bonded: t["alike"] * min(lin, bonded) - max(lin, bonded),
+            settled[LINEAR],
+            settled[BONDED],
+        )
+
+
+@judges
+def chen_lateral(e: Evidence, t: dict) -> Iterator[Check]:
+    """Claim 13."""
+    for cycle, nearer, other in ((1, BONDED, LINEAR), (t["cycles"], LINEAR, BONDED)):
+        yield e.check(
+            f"{MODELS[nearer]} nearer after cycle {cycle}",
+            "-",
+            lambda near, far: far - near,
+            *e.profile_errors(cycle, nearer, other),
+            without_curve=_nearer_profile(e, cycle, nearer, other),
+        )
+
+
 def _machine(run) -> tuple:
     return tuple(str(run.info.get(key)) for key in ("host", "ranks", "threads"))
 
@@ -321,15 +351,16 @@ def _within(e: Evidence, cycle: int, good: float, sign: int) -> str:
     )
 
 
-def _nearer_profile(e: Evidence, cycle: int) -> str:
+def _nearer_profile(e: Evidence, cycle: int, one: str, other: str) -> str:
+    """On which side of the middle between two models the experiment's mean has to be for `one` to be nearer."""
     means = _lateral(e, cycle)
-    if LINEAR not in means or NONLINEAR not in means:
+    if one not in means or other not in means:
         return ""
-    linear, nonlinear = means[LINEAR], means[NONLINEAR]
-    side = "below" if nonlinear < linear else "above"
+    side = "below" if means[one] < means[other] else "above"
     return (
-        f"after cycle {cycle} the nonlinear model's is nearer to the experiment's mean lateral displacement if that is "
-        f"{side} {1e3 * (linear + nonlinear) / 2:.3g} mm (nonlinear {1e3 * nonlinear:.3g}, linear {1e3 * linear:.3g})"
+        f"after cycle {cycle} the {MODELS[one]} model's is nearer to the experiment's mean lateral displacement if "
+        f"that is {side} {1e3 * (means[one] + means[other]) / 2:.3g} mm ({MODELS[one]} {1e3 * means[one]:.3g}, "
+        f"{MODELS[other]} {1e3 * means[other]:.3g})"
     )
 
 

@@ -35,6 +35,8 @@ HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable"
 
 CODES = ("liggghts", "yade")
 
+PAPER = "paper"
+
 RUN = "a full-size run of "
 WITHIN = "more seeds or cycles: within the uncertainty"
 PENDING = "(pending)"
@@ -43,7 +45,10 @@ ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim; `criterion` and `quantity` with the thresholds filled in."""
+    """One claim; `criterion` and `quantity` with the thresholds filled in.
+
+    about   whose models: those of the paper, or chen2015, Chen et al.'s, judged from our own run of it
+    """
 
     number: int
     id: str
@@ -56,6 +61,7 @@ class Claim:
     thresholds: dict[str, float]
     uncertainty: str
     reference: tuple[str, ...]
+    about: str = PAPER
 
 
 @dataclass(frozen=True)

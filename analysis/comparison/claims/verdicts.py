@@ -1,5 +1,5 @@
-"""The paper's eleven claims, each judged per code and reading of the load by a criterion fixed beforehand in
-reference_data/claims.toml; and which of them the reading decides.
+"""The paper's claims, eleven about its own models and some about Chen et al.'s, each judged per code and reading of the
+load by a criterion fixed beforehand in reference_data/claims.toml; and which of them the reading decides.
 """
 
 from __future__ import annotations
@@ -87,6 +87,7 @@ def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
         [
             {
                 "number": v.claim.number,
+                "about": v.claim.about,
                 "claim": v.claim.sentence,
                 "code": v.code,
                 "reading": v.reading,

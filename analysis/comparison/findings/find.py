@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
-from analysis.comparison.findings import agreement, influence, runs, servo
+from analysis.comparison.findings import agreement, bonds, influence, runs, servo
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.normalised.readers import Run
@@ -33,6 +33,7 @@ class Findings:
     load_tracking    how the prescribed load was met
     servo            PFC's servo: measured and predicted response
     elastic          settlement split into what springs back and what stays
+    bonds            parallel bonds made and broken
     influence        one thing changed at a time
     calibration      beds that `make calibrate` tried
     timestep, benchmark, benchmark_sizes, benchmark_profile
@@ -55,6 +56,7 @@ class Findings:
     load_tracking: pd.DataFrame
     servo: pd.DataFrame
     elastic: pd.DataFrame
+    bonds: pd.DataFrame
     influence: pd.DataFrame
     calibration: pd.DataFrame
     timestep: pd.DataFrame
@@ -111,6 +113,7 @@ def find(
         load_tracking=runs.load_table(listed),
         servo=servo.servo_table(listed),
         elastic=servo.elastic_table(listed),
+        bonds=bonds.bonds_table(listed),
         influence=influence.influence_table(listed, scatter),
         calibration=_kept(folder / "calibration.csv"),
         timestep=_kept(folder / "timestep.csv"),

@@ -20,7 +20,8 @@ def claims_page(data: ReportData) -> dict:
         grouped.setdefault(v.claim.number, []).append(v)
     return {
         "summary": summary(grouped),
-        "claims": [card(n, found) for n, found in sorted(grouped.items())],
+        "claims": [card(n, found) for n, found in sorted(grouped.items()) if found[0].claim.about == evidence.PAPER],
+        "others": [card(n, found) for n, found in sorted(grouped.items()) if found[0].claim.about != evidence.PAPER],
         "readings": readings_table(data.verdicts),
     }
 

@@ -18,7 +18,9 @@ from analysis.report.figures.porosity import porosity_figure, sphere_figure
 from analysis.report.figures.restitution import restitution_figure
 from analysis.report.figures.settlement import measured_shape_figure, settlement_figure, shape_figure
 from analysis.report.labels import KPA, MM, MODE_NAMES, READING_NAMES, SOURCE_NAMES, short_name
+from analysis.report.pages.bonded import bonded_group
 from analysis.report.report_data import (
+    CHEN_SCENARIOS,
     KEY_SCENARIOS,
     PAPER_SCENARIOS,
     ReportData,
@@ -44,6 +46,7 @@ def paper_figures(data: ReportData) -> dict:
         load_group(data, profile),
         {"title": "Figure 9: the damping modes", "figures": [restitution_figure(g)], "tables": [restitution_rows()]},
         group("Figure 10: the linear model", by_reading, lambda mine, reading: figure10(g, mine, reading)),
+        bonded_group(data, profile),
         group("Figure 11: settlement, nonlinear model", by_reading, lambda mine, reading: figure11(g, mine, reading)),
         group(
             "Figure 12: lateral displacement, nonlinear model",
@@ -85,7 +88,7 @@ def paper_figures(data: ReportData) -> dict:
         own_group(g, runs),
     ]
     if KEY_SCENARIOS:
-        groups[6]["figures"].insert(0, sphere_figure(g, load_scenario(KEY_SCENARIOS[0], "full")))
+        groups[7]["figures"].insert(0, sphere_figure(g, load_scenario(KEY_SCENARIOS[0], "full")))
     for part in groups:
         part["figures"] = [f for f in part["figures"] if f]
         for kind in ("tables", "folded"):
@@ -172,7 +175,7 @@ def figure13(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
 
 def own_group(g: Gallery, runs: Runs) -> dict:
     """Scenarios that are not the paper's."""
-    others = Runs(run for run in runs if run.base_name not in PAPER_SCENARIOS)
+    others = Runs(run for run in runs if run.base_name not in (*PAPER_SCENARIOS, *CHEN_SCENARIOS))
     return {
         "title": "Scenarios that are not the paper's",
         "missing": "",

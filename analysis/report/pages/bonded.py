@@ -1,0 +1,105 @@
+"""Chen et al.'s bonded model, our own run of it, beside the paper's two models."""
+
+from __future__ import annotations
+
+from analysis.comparison.findings.members import READINGS, member
+from analysis.normalised.readers import Runs
+from analysis.report.figures.bonds import bonds_figure, broken_bonds_figure
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.settlement import settlement_figure
+from analysis.report.labels import READING_NAMES, short_name
+from analysis.report.report_data import CHEN_SCENARIOS, KEY_SCENARIOS, ReportData
+from analysis.report.style import CODE_NAMES
+from analysis.report.tables import Column, Table, number
+from analysis.scenarios.scenario import load_scenario
+
+TITLE = "Chen et al.: the bonded model, our own run"
+WAITS = "It appears as soon as a run of the bonded model has finished a cycle (`make liggghts-chen2015`)."
+OF_CHEN = (
+    "Chen et al. (2015) is run here from the parameters of Table 3, with parallel bonds between the particles that "
+    "touch at the end of packing (assumed). It is not their published curve, which is pending."
+)
+
+
+def bonded_group(data: ReportData, profile: str) -> dict:
+    """Settlement and lateral displacement of the three models in each reading; bonds made, broken, and where."""
+    g, runs = data.gallery, data.of(profile)
+    figures = []
+    for reading in READINGS:
+        mine = Runs(run for run in runs if member(run).reading == reading)
+        if not any(run.base_name in CHEN_SCENARIOS for run in mine):
+            continue
+        mine = Runs(run for run in mine if run.base_name in (*KEY_SCENARIOS, *CHEN_SCENARIOS))
+        slug, where = reading.replace(" ", "-"), READING_NAMES[reading]
+        figures += [
+            settlement_figure(g, mine, f"bonded-settlement-{slug}", f"Three models, {where}: settlement", OF_CHEN),
+            lateral_figure(g, mine, f"bonded-lateral-{slug}", f"Three models, {where}: lateral displacement", OF_CHEN),
+        ]
+    bonded = bonded_runs(data, profile)
+    figures += [
+        bonds_figure(
+            g, bonded, "bonds", "Bonds broken", "Of bonds made at the end of packing; cycle 0 is the end of preload."
+        ),
+        broken_bonds_figure(
+            g,
+            bonded,
+            "broken-bonds",
+            "Where bonds broke",
+            "Each dot is a bond, at its place when it broke; all of the bed's depth is seen. Grey: sleeper and plates.",
+        ),
+    ]
+    return {"title": TITLE, "missing": WAITS, "figures": figures, "tables": [bonds_table(data, profile)]}
+
+
+def bonded_runs(data: ReportData, profile: str) -> Runs:
+    """Runs with bonds, variants included."""
+    there = [run for run in (*data.of(profile), *data.variants) if run.profile == profile]
+    return Runs(run for run in there if len(run.bonds) and len(run.cycles))
+
+
+def bonds_table(data: ReportData, profile: str) -> Table | None:
+    """Bonds made and broken by cycle; which reading of the units breaks any."""
+    rows = data.findings.bonds
+    rows = rows[rows["profile"] == profile] if len(rows) else rows
+    if rows.empty:
+        return None
+    table = Table(
+        "Bonds made and broken",
+        [
+            Column("run"),
+            Column("load"),
+            Column("after cycle", True),
+            Column("bonds made", True),
+            Column("broken in tension", True),
+            Column("broken in shear", True),
+            Column("broken, %", True),
+        ],
+    )
+    for r in rows.itertuples():
+        table.rows.append(
+            [
+                f"{label_of(r)}, {CODE_NAMES.get(r.code, r.code)}{f', seed {r.seed}' if r.seed != 1 else ''}",
+                READING_NAMES[r.reading],
+                str(r.cycle),
+                str(r.bonds_made),
+                str(r.bonds_broken_tension),
+                str(r.bonds_broken_shear),
+                number(r.broken_share, 3, 100),
+            ]
+        )
+    setup = load_scenario(CHEN_SCENARIOS[0], "full")
+    stiffness, strength = (
+        " and ".join(f"{setup[f'contact.bond.{way}_{what}']:g}" for way in ("normal", "shear"))
+        for what in ("stiffness", "strength")
+    )
+    table.note = (
+        "Table 3 prints bond stiffness in N/m and strength in N, which a parallel bond does not have. Here they are "
+        f"read per area (assumed): {stiffness} Pa/m, {strength} Pa; “bonds in N/m” reads them as printed. Cycle 0 is "
+        "the end of preload."
+    )
+    return table
+
+
+def label_of(row) -> str:
+    """A scenario with its variants, in words."""
+    return short_name("+".join(filter(None, (row.scenario, row.variant))))
