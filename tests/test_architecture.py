@@ -16,7 +16,7 @@ MAY_IMPORT = {
     "formats": {"files"},
     "arguments": set(),
     "scenarios": {"formats", "laws", "laws_bond", "files"},
-    "normalised": {"formats", "scenarios", "laws", "files"},
+    "normalised": {"formats", "scenarios", "laws", "laws_bond", "files"},
     "driver": {"formats", "scenarios", "normalised", "files", "arguments"},
     "reference": {"formats", "scenarios", "files", "arguments"},
     "comparison": {"formats", "reference", "normalised", "scenarios", "laws", "files"},
