@@ -37,7 +37,9 @@ def bonds_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption
         mean = pd.DataFrame(seeds).dropna().mean(axis=1)
         draw(c, curve, pd.DataFrame(dict.fromkeys(("value", "low", "high"), mean)), 100.0, seeds=seeds)
     c.axes.set_ylabel("bonds broken so far, % of those made")
-    c.axes.set_ylim(bottom=0)
+    c.axes.set_ylim(0, max(1.0, c.axes.get_ylim()[1]))
+    if not any(len(run.bonds_broken) for run in runs):
+        c.axes.text(0.5, 0.5, "no bond broke", transform=c.axes.transAxes, ha="center", color=SOFT)
     c.hover_unit = "%"
     cycle_axis(c, last_cycle_of(curves), False)
     c.table = pd.concat(
@@ -68,7 +70,7 @@ def _view(run: Run, name: str, axis: str) -> style.Canvas:
     along = {"x": "along the sleeper", "y": "across the sleeper"}[axis]
     heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}"
     key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
-    c = style.canvas(f"{key}-{axis}", f"{heading}: where bonds broke, {along}", width=4.1, height=3.2)
+    c = style.canvas(f"{key}-{axis}", f"{heading}: where bonds broke, {along}", width=5.2, height=3.0, right=1.75)
     k = "xy".index(axis)
     blocks = [box.sleeper, *(box.plates if axis == "x" else ())]
     for block in blocks:
@@ -92,7 +94,7 @@ def _view(run: Run, name: str, axis: str) -> style.Canvas:
                 label=f"{words}: {len(part)}",
                 rasterized=True,
             )
-    c.axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.24), ncols=2, frameon=False, markerscale=2.5)
+    c.axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, markerscale=2.5, title="broken")
     top = max(MM * box.sleeper.high[2], MM * broken["z_m"].max())
     c.axes.set(
         xlim=(MM * span[0] - 15, MM * span[1] + (40 if axis == "x" else 15)),
