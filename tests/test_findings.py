@@ -230,6 +230,22 @@ def test_settlement_by_the_servo_is_split_where_it_was_measured(tmp_path):
         find(load_runs(tmp_path), load_references())
 
 
+# ------------------------------------------------------------------ stock contact models
+
+
+def test_stock_contacts_are_compared_with_the_same_run_by_the_papers_law(tmp_path):
+    for name, law in (("linear-mu0.8", 1e-3), ("linear-mu0.8+stock", 1.2e-3)):
+        scenario, _, variant = name.partition("+")
+        info = {"scenario": scenario, "variant": variant}
+        write_run(tmp_path, "full", name, cycles=3, law=("line", {"a": law, "b": 0}), contacts=False, info=info)
+    write_run(tmp_path, "full", "linear-mu0.8+stock", "yade", cycles=3, contacts=False, info=info)
+    table = find(load_runs(tmp_path), load_references()).stock
+    assert set(table["code"]) == {"liggghts"}, "YADE has no run by the paper's law to compare with"
+    settled = table[table["quantity"] == "settlement_m"]
+    assert list(settled["cycle"]) == [1, 2, 3]
+    assert settled["change_ratio"].to_numpy() == pytest.approx([0.2] * 3, rel=1e-6)  # digits of a normalised file
+
+
 # ------------------------------------------------------------------ bonds
 
 

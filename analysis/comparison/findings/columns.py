@@ -63,6 +63,8 @@ MEANINGS = {
     "gain": "gain factor of the servo",
     "lag_from": "what the lag was measured by",
     "contacts": "number of wall contacts that the measured amplitude takes",
+    "paper_law": "value with the paper's contact laws, m",
+    "stock": "value with the code's own contact model between particles, m",
     "base": "value without the change",
     "changed": "value with the change",
     "change_ratio": "changed over base, minus 1",

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
-from analysis.comparison.findings import agreement, bonds, influence, runs, servo
+from analysis.comparison.findings import agreement, bonds, influence, runs, servo, stock
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.normalised.readers import Run
@@ -35,6 +35,7 @@ class Findings:
     elastic          settlement split into what springs back and what stays
     bonds            parallel bonds made and broken
     influence        one thing changed at a time
+    stock            each code's own contact models against the paper's laws
     calibration      beds that `make calibrate` tried
     timestep, benchmark, benchmark_sizes, benchmark_profile
                      what `make timestep` and `make bench` kept, as they wrote it
@@ -58,6 +59,7 @@ class Findings:
     elastic: pd.DataFrame
     bonds: pd.DataFrame
     influence: pd.DataFrame
+    stock: pd.DataFrame
     calibration: pd.DataFrame
     timestep: pd.DataFrame
     benchmark: pd.DataFrame
@@ -115,6 +117,7 @@ def find(
         elastic=servo.elastic_table(listed),
         bonds=bonds.bonds_table(listed),
         influence=influence.influence_table(listed, scatter),
+        stock=stock.stock_table(listed, scatter),
         calibration=_kept(folder / "calibration.csv"),
         timestep=_kept(folder / "timestep.csv"),
         benchmark=_kept(folder / "benchmark.csv"),

@@ -57,7 +57,7 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
         ):
             before, after = function(base.run, cycle), function(m.run, cycle)
             change = after / before - 1 if before * after > 0 else math.nan
-            spread = _spread(scatter, m, quantity, cycle)
+            spread = spread_between_beds(scatter, m, quantity, cycle)
             rows.append(
                 {
                     "profile": m.run.profile,
@@ -107,7 +107,7 @@ def at(run, cycle: int, column: str) -> float:
     return float(values.iloc[0]) if len(values) else math.nan
 
 
-def _spread(scatter: pd.DataFrame, m: Member, quantity: str, cycle: int) -> float:
+def spread_between_beds(scatter: pd.DataFrame, m: Member, quantity: str, cycle: int) -> float:
     """Scatter between beds at the nearest compared cycle not after `cycle`."""
     rows = scatter[
         (scatter["profile"] == m.run.profile)

@@ -21,6 +21,7 @@ from analysis.report.figures.same_bed import same_bed_figure
 from analysis.report.labels import MM, READING_NAMES, short_name, time_steps
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, key_runs, name_of
 from analysis.report.sentences import lines
+from analysis.report.stock_table import stock_table
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, number, shown
 from analysis.scenarios.scenario import join_id, split_id
@@ -41,6 +42,7 @@ def comparison(data: ReportData) -> dict:
         "lateral": lateral_table(data, profile),
         "same_bed": same_bed_table(only(found.same_bed_verdicts, profile=profile)),
         "same_bed_parts": same_bed_parts(data, profile),
+        "stock": stock_table(only(found.stock, profile=profile)),
         "beds": seed_table(data, profile),
         "rates": rates_table(data, profile),
         "strokes": stroke_figure(
