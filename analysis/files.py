@@ -14,6 +14,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 """The repository."""
 
+PUBLISHED = ROOT / "reference_data" / "published"
+"""What others measured: a folder per source."""
+CLAIMS_FILE = ROOT / "reference_data" / "claims.toml"
+"""What the paper claims."""
+KEPT_RUNS = ROOT / "reference_data" / "runs"
+"""What we computed: the kept runs, and the tables of calibration, time steps and benchmark."""
+KEPT_VERIFICATION = ROOT / "reference_data" / "verification"
+"""What we computed: the result of the verification."""
+
 
 def write_aside(path: Path, text: str) -> None:
     """Write `path` whole or not at all: a .partial file first, forced to the disk, then a rename."""

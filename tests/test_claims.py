@@ -29,11 +29,11 @@ from analysis.comparison.claims.verdicts import (
 )
 from analysis.comparison.findings.members import READINGS, SERVO, SERVO_VARIANT, TRUE_LOAD
 from analysis.comparison.restitution import restitution_table
-from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, REFERENCE_FOLDER, References, sidecars
+from analysis.files import CLAIMS_FILE
+from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, References, sidecars
 from analysis.scenarios import derived, study
 from analysis.scenarios.scenario import join_id, load_scenario, scenario_names, split_id
 
-CLAIMS_FILE = REFERENCE_FOLDER / "claims.toml"
 DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])  # plates 1 (bottom) to 5
 SHAPE = np.array([0.5, 0.8, 1.0, 0.9, 0.6])
 LINE, START = (2e-3, 0, 1, 4e-6), (1e-3, 6e-3, 15, 2e-6)  # a, b, c, d of a + b (1 - exp(-N/c)) + d N

@@ -9,9 +9,10 @@ import pytest
 from synthetic import LATERAL_PROFILE, STROKE_M, write_run
 
 from analysis.comparison.findings import agreement, servo
-from analysis.comparison.findings.find import RUNS_FOLDER, find
+from analysis.comparison.findings.find import find
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
 from analysis.driver.keep import keep
+from analysis.files import KEPT_RUNS
 from analysis.normalised.readers import load_runs
 from analysis.reference.ballast_stiffness import ballast_stiffness
 from analysis.reference.curves import load_references
@@ -282,7 +283,7 @@ def test_influence_is_measured_by_the_scatter_of_seeds(tmp_path):
 def test_the_readme_says_what_the_kept_runs_say():
     """`make keep` of further runs takes a `make readme`."""
     now = readme.README.read_text(encoding="utf-8")
-    found = find(load_runs(RUNS_FOLDER, quiet=True), load_references(), PAPER_SCENARIOS)
+    found = find(load_runs(KEPT_RUNS, quiet=True), load_references(), PAPER_SCENARIOS)
     assert readme.with_results(now, found) == now, "run `make readme`"
 
 
@@ -310,6 +311,6 @@ def test_the_sleeper_is_set_beside_published_ballast(found):
 
 
 def test_time_steps_that_differ_are_told():
-    kept = [run for run in load_runs(RUNS_FOLDER, quiet=True) if run.base_name == "linear-mu0.8" and not run.variants]
+    kept = [run for run in load_runs(KEPT_RUNS, quiet=True) if run.base_name == "linear-mu0.8" and not run.variants]
     steps = {derived.time_grid(run.scenario).step_s for run in kept}
     assert bool(time_steps(kept)) == (len(steps) > 1) and time_steps(kept[:1]) == ""

@@ -6,16 +6,15 @@ import gzip
 import json
 import os
 import re
-from pathlib import Path
 
 import pytest
 
+from analysis.files import KEPT_RUNS, ROOT
 from analysis.formats import bed_file, file_columns, json_file, numbers, quantities, table_file, toml_file
 from analysis.formats.errors import InputError
 from analysis.formats.growing_csv import GrowingCsv, append_text
 from analysis.formats.run_record import RunRecord
 
-ROOT = Path(__file__).resolve().parent.parent
 FORMATS = {name: value for name, value in vars(file_columns).items() if name.isupper() and isinstance(value, tuple)}
 FORMATS.pop("CODES")
 
@@ -279,10 +278,10 @@ def test_a_folder_or_a_dangling_link_is_one_line(tmp_path):
             toml_file.read(tmp_path / f"{name}.toml")
 
 
-KEPT = sorted((ROOT / "reference_data" / "runs").rglob("run.json"))
+KEPT = sorted(KEPT_RUNS.rglob("run.json"))
 
 
-@pytest.mark.parametrize("path", KEPT, ids=lambda p: str(p.parent.relative_to(ROOT / "reference_data" / "runs")))
+@pytest.mark.parametrize("path", KEPT, ids=lambda p: str(p.parent.relative_to(KEPT_RUNS)))
 def test_kept_records_read_and_write_back_unchanged(path, tmp_path):
     RunRecord.read(path.parent).write(tmp_path)
     kept = json.loads(path.read_text())

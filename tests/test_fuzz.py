@@ -12,6 +12,7 @@ from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
 from analysis.driver import checkpoints, status
+from analysis.files import PUBLISHED, ROOT
 from analysis.formats import bed_file, file_columns, table_file
 from analysis.formats.errors import InputError
 from analysis.formats.quantities import QUANTITIES
@@ -24,7 +25,6 @@ from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
 from analysis.verification.impact_file import read_impacts
 
-ROOT = Path(__file__).resolve().parent.parent
 MUTATIONS = 300
 
 
@@ -211,7 +211,7 @@ def references(folder, file):
     """A source with one digitised curve, as WebPlotDigitizer leaves it in `file`."""
     source = folder / "indraratna2013"
     source.mkdir()
-    shutil.copy(ROOT / "reference_data" / "indraratna2013" / "reference.bib", source)
+    shutil.copy(PUBLISHED / "indraratna2013" / "reference.bib", source)
     (source / "settlement.toml").write_text(SIDECAR.format(file=file))
     (source / file).write_text(CURVES[file])
     found = load_references(folder)

@@ -14,8 +14,9 @@ from synthetic import write_run
 from analysis import load_runs
 from analysis.comparison import against_published, quantities
 from analysis.comparison.claims.verdicts import evaluate_claims
+from analysis.files import PUBLISHED
 from analysis.reference import check, webplotdigitizer
-from analysis.reference.curves import REFERENCE_FOLDER, load_references, sidecars
+from analysis.reference.curves import load_references, sidecars
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.build import build
@@ -33,8 +34,8 @@ DEPTH_MM = np.array([33.0, 98, 163, 228, 293])
 @pytest.fixture
 def folder(tmp_path):
     """A copy of the committed reference data, to drop files into."""
-    target = tmp_path / "reference_data"
-    shutil.copytree(REFERENCE_FOLDER, target, ignore=shutil.ignore_patterns("runs"))
+    target = tmp_path / "published"
+    shutil.copytree(PUBLISHED, target)
     return target
 
 
@@ -201,7 +202,7 @@ def test_a_bad_settlement_shape_is_refused_in_one_line(folder, capsys, old, new,
 
 def test_the_answers_shown_in_the_guide_are_accepted(folder):
     """The example of README.md, laid over the sidecar it speaks of."""
-    guide = (REFERENCE_FOLDER / "README.md").read_text()
+    guide = (PUBLISHED.parent / "README.md").read_text()
     example = textwrap.dedent(re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1])
     source = folder / "indraratna2013"
     answered, axes = re.split(r"(?=\[axes\.x\])", example)

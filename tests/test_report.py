@@ -20,10 +20,9 @@ import pytest
 from PIL import Image
 from synthetic import write_run
 
-from analysis.comparison.findings.find import RUNS_FOLDER
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
-from analysis.files import write_csv
+from analysis.files import KEPT_RUNS, write_csv
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
@@ -614,7 +613,7 @@ def test_view_writes_pictures_and_files_for_paraview(tmp_path, capsys):
 
 def test_a_bed_that_can_be_turned_loads_nothing(tmp_path):
     pytest.importorskip("k3d", reason="k3d, the optional dependency `view`, is not installed")
-    scene = packed_scene(RUNS_FOLDER / KEPT_BED, load_scenario("linear-mu0.8", "full"))
+    scene = packed_scene(KEPT_RUNS / KEPT_BED, load_scenario("linear-mu0.8", "full"))
     path = turnable.write_html(tmp_path / "bed.html", [scene], "a bed")
     first = path.read_bytes()
     assert not re.findall(rb"<(?:script|link)[^>]*(?:src|href)=", first)

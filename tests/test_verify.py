@@ -6,20 +6,17 @@ import math
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.driver import engines
+from analysis.files import KEPT_VERIFICATION, ROOT
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 from analysis.verification import impact, impact_file, impact_results, mutations, probes, verify
 from analysis.verification.cases import base, impacts, paths
 from analysis.verification.results import Results, write_rows
-
-ROOT = Path(__file__).resolve().parent.parent
-
 
 # ------------------------------------------------------------------ the table
 
@@ -400,7 +397,7 @@ def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
 
 
 def test_the_kept_result_passes_and_has_every_case():
-    kept = ROOT / "reference_data" / "verification"
+    kept = KEPT_VERIFICATION
     with open(kept / "verification.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert {row["case"] for row in rows} == {case.name for case in verify.CASES}, (

@@ -36,7 +36,7 @@ from analysis.scenarios.study import key_scenarios
 REPORTED_CLUMPS, REPORTED_POROSITY = 4583, 0.35  # paper, Section 2 and Table 1
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
 ASPECTS = (1.5, 1.7, 1.8, 1.875)
-TABLE = files.ROOT / "reference_data" / "runs" / "calibration.csv"
+TABLE = files.KEPT_RUNS / "calibration.csv"
 STAGE_COLUMNS = {
     "packing": (
         "clumps",

@@ -13,13 +13,12 @@ from analysis.driver import options
 from analysis.driver.folder import cycles_asked, cycles_done
 from analysis.driver.settings import relative
 from analysis.driver.status import state_of
-from analysis.files import ROOT, sync, write_csv
+from analysis.files import KEPT_RUNS, sync, write_csv
 from analysis.formats.numbers import short
 from analysis.formats.run_record import RunRecord
 from analysis.normalised.readers import Run
 from analysis.scenarios import study
 
-KEPT = ROOT / "reference_data" / "runs"
 NEEDED = ("run.json", "scenario.json", "stages.json")
 FILES = (*NEEDED, "cycles.csv", "microstructure.csv", "unload.csv", "bonds.csv", "bonds_broken.csv")
 
@@ -101,7 +100,7 @@ def add_arguments(parser: Parser) -> None:
     """Arguments of `ballast keep`."""
     options.add_identity(parser)
     parser.add_argument("--failed", action="store_true", help="keep a run that failed, too")
-    parser.add_argument("--out", type=options.path, default=KEPT, help="folder of all kept runs")
+    parser.add_argument("--out", type=options.path, default=KEPT_RUNS, help="folder of all kept runs")
 
 
 def execute(chosen: argparse.Namespace) -> int:

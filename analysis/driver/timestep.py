@@ -41,8 +41,7 @@ CYCLES = 20
 SHOWN = (1, 2, 5, 10, 20)
 SAME_STEP = 0.02
 """Relative: steps that differ by less count as one (a cycle has a whole number of them)."""
-KEPT = files.ROOT / "reference_data" / "runs"
-TABLE = KEPT / "timestep.csv"
+TABLE = files.KEPT_RUNS / "timestep.csv"
 COLUMNS = (
     "scenario",
     "case",
@@ -203,7 +202,7 @@ def best(runs: Iterable[Run], want: Wanted, bed: str) -> Run | None:
 
 def collect(results) -> tuple[pd.DataFrame, list[Wanted]]:
     """The table from all runs that exist, and what is still to be made."""
-    folders = [results, KEPT, *sorted((results / TIMESTEP).glob("*"))]
+    folders = [results, files.KEPT_RUNS, *sorted((results / TIMESTEP).glob("*"))]
     runs = [run for folder in folders if folder.exists() for run in load_runs(folder) if only_time_differs(run)]
     rows, missing = [], []
     for name in (*reversed(key_scenarios()), DAMPED):

@@ -1,4 +1,4 @@
-"""What others published: digitised curves and settlement laws of reference_data/, each file checked before anything is
-compared with it.
+"""What others published: digitised curves and settlement laws of reference_data/published, each file checked before
+anything is compared with it.
 
 Imports from this package: `formats`, `scenarios`, `analysis.arguments` and `analysis.files`."""

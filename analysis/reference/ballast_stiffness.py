@@ -1,4 +1,4 @@
-"""Published stiffness of ballast under half a sleeper, from reference_data/ballast_stiffness/stiffness.toml."""
+"""Published stiffness of ballast under half a sleeper, from ballast_stiffness/stiffness.toml."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class BallastStiffness:
     note: str
 
 
-def ballast_stiffness(folder: Path = REFERENCE_FOLDER) -> list[BallastStiffness]:
+def ballast_stiffness(folder: Path = PUBLISHED) -> list[BallastStiffness]:
     """All values, softest first; raises ReferenceError with one line where the file cannot be used."""
     path = Path(folder) / "ballast_stiffness" / "stiffness.toml"
     try:

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from analysis.arguments import Parser
-from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, References, load_references
+from analysis.files import PUBLISHED
+from analysis.reference.curves import ReferenceError, References, load_references
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.scenarios.scenario import ScenarioError
@@ -15,7 +16,7 @@ from analysis.scenarios.scenario import ScenarioError
 def main(argv: list[str]) -> int:
     """`ballast reference`: check every file, list what is there and what is pending."""
     parser = Parser(prog="ballast reference", description=main.__doc__)
-    parser.add_argument("--folder", type=Path, default=REFERENCE_FOLDER, help="instead of reference_data/")
+    parser.add_argument("--folder", type=Path, default=PUBLISHED, help="instead of reference_data/published")
     folder = parser.parse_args(argv).folder
     references = load_references(folder)
     print(summary(references))

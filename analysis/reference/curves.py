@@ -1,7 +1,8 @@
 """Reference curves: what is there, what is pending, and a check of every file before anything is compared with it.
 
-Each folder of reference_data/ is one source; each .toml in it is the sidecar of one figure panel and names the files
-that WebPlotDigitizer wrote. Values are converted to SI by the unit that the sidecar declares, and by nothing else.
+Each folder of reference_data/published is one source; each .toml in it is the sidecar of one figure panel and names
+the files that WebPlotDigitizer wrote. Values are converted to SI by the unit that the sidecar declares, and by nothing
+else.
 """
 
 from __future__ import annotations
@@ -17,16 +18,14 @@ import jsonschema
 import numpy as np
 import pandas as pd
 
-from analysis.files import ROOT
+from analysis.files import PUBLISHED
 from analysis.formats import toml_file
 from analysis.formats.errors import InputError, reason
 from analysis.reference import webplotdigitizer
 from analysis.reference.webplotdigitizer import Dataset, DigitiserError
 from analysis.scenarios.scenario import load_scenario, scenario_names
 
-REFERENCE_FOLDER = ROOT / "reference_data"
-
-NOT_CURVES = ("ballast_stiffness", "settlement_laws", "settlement_shapes", "runs", "verification")
+NOT_CURVES = ("ballast_stiffness", "settlement_laws", "settlement_shapes")
 
 COLUMNS = (
     "source",
@@ -146,7 +145,7 @@ class References:
         return rows.sort_values(["curve", ABSCISSAE[quantity].replace("depth", "depth_m")], kind="stable")
 
 
-def load_references(folder: Path = REFERENCE_FOLDER) -> References:
+def load_references(folder: Path = PUBLISHED) -> References:
     """Read and check all sidecars of `folder`; a bad one becomes a line in `problems` and does not hide the others."""
     folder = Path(folder)
     curves, pending, sources, problems, silent, named, heads = [], [], [], [], [], set(), {}
@@ -223,7 +222,7 @@ def _takes_any_name(head: dict, datasets: list[Dataset]) -> bool:
     return len(head["curves"]) == len(datasets) == len(head["files"]) == 1
 
 
-def sidecars(folder: Path = REFERENCE_FOLDER) -> list[Path]:
+def sidecars(folder: Path = PUBLISHED) -> list[Path]:
     """Paths of all sidecars of `folder`, in alphabetical order."""
     return sorted(p for p in Path(folder).glob("*/*.toml") if p.parent.name not in NOT_CURVES)
 
@@ -278,7 +277,7 @@ def _read_sidecar(sidecar: Path) -> dict:
         raise ReferenceError(str(error)) from None
     _check_numbers(sidecar, head)
     head = json.loads(json.dumps(head, default=str))  # a date becomes its text
-    schema = json.loads((REFERENCE_FOLDER / "schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((PUBLISHED / "schema.json").read_text(encoding="utf-8"))
     errors = list(jsonschema.Draft202012Validator(schema).iter_errors(head))
     still_open = dict.fromkeys(_place(error) for error in errors if error.instance == "?")
     if still_open:

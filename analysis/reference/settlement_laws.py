@@ -1,4 +1,4 @@
-"""Published laws of settlement as shapes, from reference_data/settlement_laws/laws.toml."""
+"""Published laws of settlement as shapes, from settlement_laws/laws.toml."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class SettlementLaw:
         return shape(cycles) / shape(reference_cycle)
 
 
-def settlement_laws(folder: Path = REFERENCE_FOLDER) -> list[SettlementLaw]:
+def settlement_laws(folder: Path = PUBLISHED) -> list[SettlementLaw]:
     """The laws of settlement_laws/laws.toml, checked."""
     path = Path(folder) / "settlement_laws" / "laws.toml"
     try:

@@ -1,4 +1,4 @@
-"""Measured settlement as shapes over cycles, from reference_data/settlement_shapes/shapes.toml."""
+"""Measured settlement as shapes over cycles, from settlement_shapes/shapes.toml."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import REFERENCE_FOLDER, ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class SettlementShapes:
         return min(values), max(values)
 
 
-def settlement_shapes(folder: Path = REFERENCE_FOLDER) -> SettlementShapes:
+def settlement_shapes(folder: Path = PUBLISHED) -> SettlementShapes:
     """The shapes of settlement_shapes/shapes.toml, checked; raises ReferenceError with one line."""
     path = Path(folder) / "settlement_shapes" / "shapes.toml"
     try:

@@ -17,10 +17,10 @@ from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.findings.members import choose
 from analysis.driver import provenance
-from analysis.files import ROOT, write_aside
+from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, ROOT, write_aside
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
-from analysis.reference.curves import REFERENCE_FOLDER, load_references
+from analysis.reference.curves import load_references
 from analysis.report import data_archive, style
 from analysis.report.demo_outcome import summary
 from analysis.report.figure import Gallery
@@ -42,7 +42,6 @@ from analysis.report.report_data import ReportData, is_variant, known_scenarios,
 from analysis.report.sentences import TEMPLATES, environment
 from analysis.scenarios.scenario import ScenarioError
 
-KEPT_RUNS = REFERENCE_FOLDER / "runs"
 FIGURES, TABLES = "hover.js", "sort.js"
 TURNABLE = "bed-3d.html"
 
@@ -102,9 +101,7 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def build(
-    results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = REFERENCE_FOLDER
-) -> ReportData:
+def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folder: Path = PUBLISHED) -> ReportData:
     """Read the runs below `results` and those kept in the repository, and write the site to `out`."""
     out.mkdir(parents=True, exist_ok=True)
     kept = load_runs(kept_runs)
@@ -112,7 +109,7 @@ def build(
         run.id = f"kept/{run.id}"
     chosen, left_out = choose([*load_runs(results), *kept])
     chosen = Runs(sorted(chosen, key=_order()))
-    verified = out if (out / "verification.csv").exists() else kept_runs.parent / "verification"
+    verified = out if (out / "verification.csv").exists() else kept_runs.with_name(KEPT_VERIFICATION.name)
     verification, problems = verification_rows(verified)
     for line in problems:
         print(f"warning: {line}", file=sys.stderr)

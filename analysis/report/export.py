@@ -7,7 +7,8 @@ from pathlib import Path
 
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
-from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
+from analysis.comparison.findings.find import Findings, find
+from analysis.files import KEPT_RUNS
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report.report_data import PAPER_SCENARIOS
@@ -32,6 +33,6 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def found_in(results: Path, kept: Path = RUNS_FOLDER) -> Findings:
+def found_in(results: Path, kept: Path = KEPT_RUNS) -> Findings:
     """Findings of the runs below `results` and of those kept in the repository."""
     return find([*load_runs(results), *load_runs(kept)], load_references(), PAPER_SCENARIOS, kept)

@@ -8,9 +8,9 @@ import sys
 
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
-from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
+from analysis.comparison.findings.find import Findings, find
 from analysis.driver.bench.tables import TABLE
-from analysis.files import ROOT, write_aside
+from analysis.files import KEPT_RUNS, ROOT, write_aside
 from analysis.formats import markdown
 from analysis.formats.numbers import readable
 from analysis.normalised.readers import load_runs
@@ -33,7 +33,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--check", action="store_true", help="say whether it is up to date, and change nothing")
     options = parser.parse_args(argv)
     try:
-        found = find(load_runs(RUNS_FOLDER), load_references(), PAPER_SCENARIOS)
+        found = find(load_runs(KEPT_RUNS), load_references(), PAPER_SCENARIOS)
         now = README.read_text(encoding="utf-8")
         wanted = with_results(now, found)
     except (ScenarioError, ClaimError, ValueError) as error:

@@ -10,9 +10,10 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts
-from analysis.comparison.findings.find import RUNS_FOLDER, Findings, find
+from analysis.comparison.findings.find import Findings, find
 from analysis.comparison.findings.members import TRUE_LOAD, member
 from analysis.driver import status
+from analysis.files import KEPT_RUNS
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figure import Gallery
@@ -52,7 +53,7 @@ class ReportData:
     verification_folder: Path
     problems: list[str]
     results: str
-    kept: Path = RUNS_FOLDER
+    kept: Path = KEPT_RUNS
     """Where runs and the tables of studies are kept."""
     turnable: str = ""
     """File of the bed that can be turned; empty without."""

@@ -12,15 +12,16 @@ import pandas as pd
 from analysis.comparison.claims.checks import CHECKS
 from analysis.comparison.claims.evidence import CODES, FAILS, HOLDS, OPEN, Claim, Evidence, Rules, Verdict
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
+from analysis.files import CLAIMS_FILE
 from analysis.formats import toml_file
-from analysis.reference.curves import REFERENCE_FOLDER, References, load_references
+from analysis.reference.curves import References, load_references
 
 
 class ClaimError(ValueError):
     """A claims file that cannot be used; the message is one line naming file, key and remedy."""
 
 
-def load_claims(path: Path = REFERENCE_FOLDER / "claims.toml") -> tuple[list[Claim], Rules]:
+def load_claims(path: Path = CLAIMS_FILE) -> tuple[list[Claim], Rules]:
     """Read claims.toml and check that every claim is complete, judged by a function, and words all its thresholds."""
     try:
         content = toml_file.read(path)
@@ -58,9 +59,7 @@ def _claim(file: str, entry: dict) -> Claim:
     return Claim(**(claim.__dict__ | worded))
 
 
-def evaluate_claims(
-    runs: Iterable, references: References | None = None, path: Path = REFERENCE_FOLDER / "claims.toml"
-) -> list[Verdict]:
+def evaluate_claims(runs: Iterable, references: References | None = None, path: Path = CLAIMS_FILE) -> list[Verdict]:
     """Judge all claims for both codes, in both readings of the load, from `runs` (of load_runs) and `references`
     (default: the committed ones).
     """

@@ -12,10 +12,9 @@ from analysis.comparison.claims import verdicts as judged
 from analysis.comparison.findings import agreement, bonds, influence, runs, servo, stock
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
+from analysis.files import KEPT_RUNS
 from analysis.normalised.readers import Run
-from analysis.reference.curves import REFERENCE_FOLDER, References
-
-RUNS_FOLDER = REFERENCE_FOLDER / "runs"
+from analysis.reference.curves import References
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ class Findings:
 
 
 def find(
-    found: Iterable[Run], references: References, paper_scenarios: Iterable[str] = (), folder: Path = RUNS_FOLDER
+    found: Iterable[Run], references: References, paper_scenarios: Iterable[str] = (), folder: Path = KEPT_RUNS
 ) -> Findings:
     """Everything that the runs say.
 

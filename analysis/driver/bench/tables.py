@@ -8,12 +8,11 @@ import statistics
 from collections import defaultdict
 from pathlib import Path
 
-from analysis.files import ROOT, write_csv
+from analysis.files import KEPT_RUNS, write_csv
 from analysis.formats import toml_file
 
-RUNS = ROOT / "reference_data" / "runs"
-TABLE, SIZES, PROFILE = (RUNS / f"{name}.csv" for name in ("benchmark", "benchmark_sizes", "benchmark_profile"))
-BASELINE = RUNS / "benchmark_baseline.toml"
+TABLE, SIZES, PROFILE = (KEPT_RUNS / f"{name}.csv" for name in ("benchmark", "benchmark_sizes", "benchmark_profile"))
+BASELINE = KEPT_RUNS / "benchmark_baseline.toml"
 TIMINGS = ("code", "law", "who", "clumps", "ranks", "steps", "steps_per_cycle", "cpu_s", "wall_s", "load_average")
 COLUMNS = ("case", "code", "law", "steps_per_cpu_s", "ratio")
 SIZE_COLUMNS = ("code", "law", "clumps", "ranks", "steps_per_cpu_s", "steps_per_wall_s")

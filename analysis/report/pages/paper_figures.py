@@ -420,7 +420,9 @@ def sources_table(data: ReportData) -> Table | None:
                 r.licence,
             ]
         )
-    table.note = "The sidecars in reference_data/ say more; each page of the report takes these points and no others."
+    table.note = (
+        "The sidecars in reference_data/published say more; each page of the report takes these points and no others."
+    )
     return table if table.rows else None
 
 

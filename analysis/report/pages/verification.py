@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from analysis.reference.curves import REFERENCE_FOLDER
+from analysis.files import KEPT_VERIFICATION
 from analysis.report.figures.verification import case_figure, case_name
 from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
@@ -42,7 +42,7 @@ def verification(data: ReportData) -> dict:
         summary.rows.append([title, *(count(found[found["case"] == case]) for found in columns.values())])
     return {
         "rows": len(rows) > 0,
-        "kept": data.verification_folder.is_relative_to(REFERENCE_FOLDER),
+        "kept": data.verification_folder.is_relative_to(KEPT_VERIFICATION),
         "counts": [(name, int(found["passed"].sum()), len(found)) for name, found in columns.items()],
         "cases": cases,
         "summary": summary,
