@@ -225,6 +225,8 @@ def test_overview_opens_with_the_answer_and_folds_what_is_pending(full):
     for words in (
         "over 2 packed beds) in 10 cycles",
         "Loaded by PFC's servo with its default gain",
+        "The bonded model of Chen et al., run here from the paper's Table 3, settles",
+        "12 of its 90 bonds broke",
         "With beds of their own the codes agree in",
         "end before the paper's 1000 cycles",
         "reference curves of",

@@ -11,7 +11,7 @@ import pandas as pd
 from analysis.comparison.claims.evidence import PAPER
 from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
-from analysis.comparison.findings.members import READINGS, SERVO
+from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.formats.quantities import CODES
 from analysis.reference.ballast_stiffness import ballast_stiffness
 
@@ -163,6 +163,18 @@ def _filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
     return rows.sort_values(["cycle", "seed"], ascending=[False, True]).iloc[0].to_dict() if len(rows) else {}
 
 
+def _bonded(found: Findings, profile: str) -> dict:
+    """How the bonded model settles under the true load, and what became of its bonds; {} without a run of it."""
+    rows = only(found.bonds, profile=profile, variant="")
+    if rows.empty:
+        return {}
+    first = rows.sort_values(["code", "seed"]).iloc[0]  # LIGGGHTS before YADE
+    last = only(rows, code=first["code"], seed=first["seed"]).sort_values("cycle").iloc[-1]
+    outcome = outcomes(found, [last["scenario"]], profile).get((last["scenario"], TRUE_LOAD, last["code"]))
+    made = int(last["bonds_made"])
+    return {"outcome": outcome, "made": made, "broken": made - int(last["bonds"])} if outcome else {}
+
+
 def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:
     """Everything that the sentences of templates/answer.txt need; claims, which are
     judged on full-size runs, only for these.
@@ -176,6 +188,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "nonlinear": nonlinear,
         "outcomes": outcomes(found, [linear, nonlinear], profile),
         "filter": _filter(found.servo, nonlinear, profile),
+        "bonded": _bonded(found, profile),
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
         "claims": claim_counts(judged).to_dict("records"),
