@@ -250,6 +250,12 @@ def test_stock_contacts_are_compared_with_the_same_run_by_the_papers_law(tmp_pat
 # ------------------------------------------------------------------ bonds
 
 
+def test_without_a_bonded_run_nothing_is_said_of_bonds(tmp_path):
+    write_run(tmp_path, "full", "linear-mu0.8", "liggghts", 6)
+    found = find(load_runs(tmp_path), load_references())
+    assert found.bonds.empty and answer(found, KEY_SCENARIOS, "full")["bonded"] == {}
+
+
 def test_bonds_made_and_broken_are_told_at_shown_cycles_and_the_last(tmp_path):
     folder = write_run(tmp_path, "full", "chen2015", "liggghts", 6)
     rows = "".join(f"{n},{100 - 2 * n},{n},{n}\n" for n in range(7))

@@ -11,7 +11,8 @@ from analysis.comparison.findings.members import Member
 SHOWN = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Cycles of the table; 0 is the end of preload."""
 
-COLUMNS = ("cycle", "bonds_made", "bonds", "bonds_broken_tension", "bonds_broken_shear", "broken_share")
+COLUMNS = ("run", "profile", "scenario", "variant", "reading", "code", "seed")
+COLUMNS += ("cycle", "bonds_made", "bonds", "bonds_broken_tension", "bonds_broken_shear", "broken_share")
 
 
 def bonds_table(listed: Iterable[Member]) -> pd.DataFrame:
@@ -24,4 +25,4 @@ def bonds_table(listed: Iterable[Member]) -> pd.DataFrame:
             made = int(row.sum())
             share = (made - row["bonds"]) / made if made else float("nan")
             rows.append({**m.identity, "cycle": cycle, "bonds_made": made, **row.to_dict(), "broken_share": share})
-    return pd.DataFrame(rows) if rows else pd.DataFrame(columns=["run", *COLUMNS])
+    return pd.DataFrame(rows, columns=COLUMNS)

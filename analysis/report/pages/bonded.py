@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from analysis.comparison.findings.members import READINGS, member
 from analysis.normalised.readers import Runs
+from analysis.report.answer import only
 from analysis.report.figures.bonds import bonds_figure, broken_bonds_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
@@ -59,8 +60,7 @@ def bonded_runs(data: ReportData, profile: str) -> Runs:
 
 def bonds_table(data: ReportData, profile: str) -> Table | None:
     """Bonds made and broken by cycle; which reading of the units breaks any."""
-    rows = data.findings.bonds
-    rows = rows[rows["profile"] == profile] if len(rows) else rows
+    rows = only(data.findings.bonds, profile=profile)
     if rows.empty:
         return None
     table = Table(
