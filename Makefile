@@ -13,13 +13,13 @@ REDO      ?=
 SCENARIOS ?=
 CASE      ?= docs/examples/impact.toml
 TIMES     ?= 25
+PYTHON    ?= python3
 
 # Values reach the shell through the environment, as they were typed: neither make nor the shell reads them as code.
-VARIABLES := SCENARIO VARIANT CODE PROFILE SEED NP RESULTS CYCLES BED REDO SCENARIOS CASE TIMES
+VARIABLES := SCENARIO VARIANT CODE PROFILE SEED NP RESULTS CYCLES BED REDO SCENARIOS CASE TIMES PYTHON
 $(foreach name,$(VARIABLES),$(eval override export $(name) := $$(value $(name))))
 quoted     = '$(subst ','\'',$1)'
 
-PYTHON   ?= python3
 ANALYSIS := .venv/bin/python -m analysis
 STAMP    := .venv/installed
 VARIED   := $${VARIANT:+--variant="$$VARIANT"}
@@ -82,7 +82,7 @@ compare: $(STAMP) ## rebuild report/index.html from the runs that exist
 	@$(ANALYSIS) report --results="$$RESULTS"
 report: compare ## the same
 findings: $(STAMP) ## what the runs say, as tables: report/findings/*.csv
-	@$(ANALYSIS) findings --results $(RESULTS)
+	@$(ANALYSIS) findings --results="$$RESULTS"
 readme: $(STAMP) ## the README's section on results, from the kept runs
 	@$(ANALYSIS) readme
 docs: $(STAMP) ## docs/ and PARAMETERS.md: the sketch and what follows from scenarios.toml and the code
@@ -127,7 +127,7 @@ setup: ## packages, Python environment and LIGGGHTS host, where missing
 
 # An environment whose Python was upgraded or removed below it still has its stamp: it is tried, not believed.
 $(STAMP): pyproject.toml $(if $(shell bash setup.sh works 2>&1),FORCE)
-	@PYTHON="$(PYTHON)" bash setup.sh environment
+	@bash setup.sh environment
 
 clean: ## what was built; never results
 	rm -rf liggghts/build .pytest_cache build *.egg-info

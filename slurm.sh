@@ -1,6 +1,6 @@
 #!/bin/bash
 #SBATCH --job-name=ballast
-#SBATCH --array=0-100                   # the runs of the study: 0 to one less than `python -m analysis study --count`
+#SBATCH --array=0-108                   # the runs of the study: 0 to one less than `python -m analysis study --count`
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=1
 #SBATCH --mem=2G
@@ -15,9 +15,10 @@
 #
 # A job that comes to its time limit or is preempted writes a checkpoint, is queued again and goes on from it, because the
 # command of an unfinished run resumes it. `make setup` must have been run once, on a file system that all nodes see.
-# MPI: set --ntasks=NP, and add NP=... below; a resumed run needs the same number.
+# MPI: set --ntasks=NP, and add --ranks NP to the command below; a resumed run needs the same number.
 set -uo pipefail
-cd "${SLURM_SUBMIT_DIR:-.}"
+cd "${SLURM_SUBMIT_DIR:-.}" || exit
+[[ -x .venv/bin/python && -d analysis ]] || { echo "slurm.sh: $PWD is no checkout that was set up; run make setup there, then sbatch there" >&2; exit 1; }
 
 task=${SLURM_ARRAY_TASK_ID:-0}
 
@@ -35,8 +36,9 @@ result=$?
 
 # Stopped by a signal, with a checkpoint; anything else is the end, good or bad.
 if [[ $result =~ ^(129|130|143)$ && -n ${SLURM_JOB_ID:-} ]]; then
+    job=${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}
     echo "requeue: run $task of the study"
-    scontrol requeue "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"
-    exit 0
+    scontrol requeue "$job" && exit 0
+    echo "slurm.sh: job $job could not be queued again; submit run $task once more, it goes on" >&2
 fi
 exit $result

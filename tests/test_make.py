@@ -8,13 +8,16 @@ import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 import time
+from pathlib import Path
 
 import pytest
-from driver import FAKE, ROOT, copy_run, drive, read_record, run_folder, wait_until
+from driver import FAKE, ROOT, copy_run, drive, read_record, results_of, run_folder, wait_until
 
 from analysis.driver import keep
 from analysis.driver.locks import hold
+from analysis.scenarios import study
 
 SHOW = f"{sys.executable} -c 'import sys; print(sys.argv[1:])'"
 AWKWARD = (
@@ -46,6 +49,33 @@ def test_a_variable_of_make_reaches_the_command_as_it_was_typed(value):
         assert done.returncode == 0, done.stderr
         assert all(repr(f"{option}={value}") in done.stdout for option in variables.values() if option != "--")
         assert done.stdout.endswith(f"'--', {value!r}]\n")
+    assert not (ROOT / "x").exists()
+
+
+def test_no_recipe_hands_a_variable_to_the_shell_as_code():
+    """Whatever `make` is asked for, a value stays a value: RESULTS in every target that reads it, Python's path too."""
+    text = (ROOT / "Makefile").read_text()
+    names = re.search(r"^VARIABLES := (.*)$", text, re.MULTILINE)[1].split()
+    assigned = re.findall(r"^(\w+) +\?=", text, re.MULTILINE)
+    assert sorted(names) == sorted(assigned)  # each variable that a user may give is handed over like that
+    recipes = [line for line in text.splitlines() if line.startswith("\t")]
+    assert not [line for line in recipes if re.search(rf"\$[({{](?:{'|'.join(names)})[)}}]", line)]
+    targets = (
+        "status",
+        "compare",
+        "findings",
+        "unload",
+        "keep",
+        "distclean-run",
+        "calibrate",
+        "timestep",
+        "bench",
+        "view",
+    )
+    for value in AWKWARD:
+        done = make(*targets, f"RESULTS={value}")
+        assert done.returncode == 0, done.stderr
+        assert [repr(f"--results={value}") in line for line in done.stdout.splitlines()] == [True] * len(targets)
     assert not (ROOT / "x").exists()
 
 
@@ -186,34 +216,102 @@ while [ ! -f end ]; do sleep 0.05; done
 echo written > checkpoint
 exit 143
 """
+OF_THE_FAKE_ENGINE = """#!/bin/sh
+echo "$@" >> asked_of_python
+exec '{python}' '{driver}' linear-mu0.8 --code yade --cycles 30 --results results
+"""
+ALONE = {"SLURM_JOB_ID": "7"}
+IN_AN_ARRAY = {"SLURM_JOB_ID": "9", "SLURM_ARRAY_JOB_ID": "7", "SLURM_ARRAY_TASK_ID": "3"}
 
 
-@pytest.mark.parametrize(
-    "environment, asked",
-    [
-        ({"SLURM_JOB_ID": "7"}, "requeue 7"),
-        ({"SLURM_JOB_ID": "9", "SLURM_ARRAY_JOB_ID": "7", "SLURM_ARRAY_TASK_ID": "3"}, "requeue 7_3"),
-    ],
-)
-def test_a_batch_job_waits_for_the_checkpoint_and_is_queued_again(tmp_path, environment, asked):
-    for name, text in ((".venv/bin/python", STAND_IN), ("scontrol", '#!/bin/sh\necho "$@" > asked\n')):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-    job = subprocess.Popen(
-        ["bash", ROOT / "slurm.sh"],
-        env=os.environ | environment | {"SLURM_SUBMIT_DIR": str(tmp_path), "PATH": f"{tmp_path}:{os.environ['PATH']}"},
-        stdout=subprocess.DEVNULL,
-    )
-    wait_until((tmp_path / "started").exists, "the run did not start")
+@pytest.fixture
+def submit(tmp_path):
+    """Function that starts slurm.sh as a node does: a copy of it, elsewhere, told where it was submitted."""
+    where = tmp_path / "a checkout"
+    spool = tmp_path / "spool" / "slurm_script"
+    spool.parent.mkdir()
+    shutil.copy(ROOT / "slurm.sh", spool)
+
+    def job(environment, python, scontrol="exit 0"):
+        (where / "analysis").mkdir(parents=True, exist_ok=True)
+        programs = ((where / ".venv" / "bin" / "python", python), (spool.parent / "scontrol", SCONTROL + scontrol))
+        for path, text in programs:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+            path.chmod(0o755)
+        told = {"SLURM_SUBMIT_DIR": str(where), "PATH": f"{spool.parent}:{os.environ['PATH']}"}
+        return where, subprocess.Popen(
+            ["bash", spool], cwd=spool.parent, env=os.environ | told | environment, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+
+    return job
+
+
+SCONTROL = '#!/bin/sh\necho "$@" > asked\n'
+
+
+@pytest.mark.parametrize("environment, asked", [(ALONE, "requeue 7"), (IN_AN_ARRAY, "requeue 7_3")])
+def test_a_batch_job_waits_for_the_checkpoint_and_is_queued_again(submit, environment, asked):
+    where, job = submit(environment, STAND_IN)
+    wait_until((where / "started").exists, "the run did not start")
     for _ in range(3):
         job.send_signal(signal.SIGTERM)
         time.sleep(0.1)
-    assert job.poll() is None and not (tmp_path / "checkpoint").exists()
-    (tmp_path / "end").touch()
-    assert job.wait(20) == 0
-    assert (tmp_path / "checkpoint").exists() and (tmp_path / "asked").read_text().strip() == asked
+    assert job.poll() is None and not (where / "checkpoint").exists()
+    (where / "end").touch()
+    assert job.wait(300) == 0
+    assert (where / "checkpoint").exists() and (where / "asked").read_text().strip() == asked
+
+
+@pytest.mark.parametrize("environment, number", [(ALONE, "0"), (IN_AN_ARRAY, "3")])
+def test_a_batch_job_that_was_queued_again_ends_with_the_files_of_one_that_nobody_stopped(
+    submit, tmp_path, environment, number
+):
+    python = OF_THE_FAKE_ENGINE.format(python=sys.executable, driver=ROOT / "tests" / "fake_driver.py")
+    where, job = submit(environment, python)
+    folder = run_folder(where / "results", "linear-mu0.8", "yade")
+    wait_until((folder / "cycles.csv").exists, "no cycle")
+    job.send_signal(signal.SIGTERM)
+    out, err = job.communicate(timeout=600)
+    assert job.returncode == 0 and (where / "asked").exists() and read_record(folder)["state"] == "interrupted", err
+    (where / "asked").unlink()
+    where, job = submit(environment, python)
+    out, err = job.communicate(timeout=600)
+    assert job.returncode == 0 and not (where / "asked").exists() and read_record(folder)["state"] == "finished", err
+    assert (where / "asked_of_python").read_text() == f"-m analysis study --array {number}\n" * 2
+    done = drive(FAKE, "linear-mu0.8", "--code", "yade", "--cycles", 30, "--results", tmp_path / "calm")
+    assert done.returncode == 0, done.stderr
+    assert results_of(folder) == results_of(run_folder(tmp_path / "calm", "linear-mu0.8", "yade"))
+
+
+def test_a_batch_job_that_cannot_be_queued_again_or_fails_says_so(submit):
+    _, job = submit(ALONE, "#!/bin/sh\nexit 143\n", scontrol="exit 1")
+    out, err = job.communicate(timeout=300)
+    assert job.returncode == 143 and len(err.splitlines()) == 1 and "job 7 could not be queued again" in err
+    where, job = submit(IN_AN_ARRAY, "#!/bin/sh\nexit 1\n")
+    (where / "asked").unlink()
+    assert job.wait(300) == 1 and not (where / "asked").exists()  # a failure is an end, not a reason to try again
+
+
+def test_a_batch_job_submitted_elsewhere_is_refused_in_one_line(submit, tmp_path):
+    for place in (tmp_path / "spool", tmp_path / "nowhere"):
+        _, job = submit({"SLURM_SUBMIT_DIR": str(place)}, STAND_IN)
+        out, err = job.communicate(timeout=300)
+        assert job.returncode == 1 and len(err.splitlines()) == 1 and str(place) in err
+
+
+def test_the_array_of_the_batch_script_is_the_study():
+    last = re.search(r"^#SBATCH --array=0-(\d+) ", (ROOT / "slurm.sh").read_text(), re.MULTILINE)
+    assert int(last[1]) + 1 == len(study.final_rows())
+
+
+def test_shellcheck_finds_nothing_in_the_shell_scripts():
+    scripts = sorted(ROOT.glob("*.sh"))
+    assert [path.name for path in scripts] == ["setup.sh", "slurm.sh"]
+    shellcheck = Path(sysconfig.get_path("scripts")) / "shellcheck"
+    done = subprocess.run([shellcheck, *scripts], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 # ---------------------------------------------------------------------- kept and deleted runs
