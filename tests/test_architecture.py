@@ -17,7 +17,7 @@ MAY_IMPORT = {
     "arguments": set(),
     "scenarios": {"formats", "laws", "laws_bond", "files"},
     "normalised": {"formats", "scenarios", "laws", "laws_bond", "files"},
-    "driver": {"formats", "scenarios", "normalised", "files", "arguments"},
+    "driver": {"formats", "scenarios", "normalised", "reference", "files", "arguments"},
     "reference": {"formats", "scenarios", "files", "arguments"},
     "comparison": {"formats", "reference", "normalised", "scenarios", "laws", "files"},
     "docs": {"formats", "scenarios", "laws", "files", "arguments"},

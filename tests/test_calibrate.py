@@ -14,6 +14,7 @@ from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import StopRequest
 from analysis.files import write_csv
 from analysis.normalised.readers import Run, load_runs
+from analysis.reference.reported import reported
 from analysis.scenarios import lattice
 from analysis.scenarios.scenario import load_scenario
 
@@ -23,7 +24,7 @@ def test_every_number_of_sites_is_tried_once():
     gaps = calibrate.distinct_gaps(scenario, 0.0133, 0.0150)
     sites = [lattice.site_count(scenario.replace("packing.lattice_gap", gap)) for gap in gaps]
     assert len(set(sites)) == len(sites) > 2
-    assert lattice.site_count(scenario) == min(sites, key=lambda count: abs(count - calibrate.REPORTED_CLUMPS))
+    assert lattice.site_count(scenario) == min(sites, key=lambda count: abs(count - reported().clumps))
 
 
 def test_a_bed_is_read_with_its_choice_and_its_settlement(tmp_path):

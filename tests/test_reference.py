@@ -14,9 +14,10 @@ from synthetic import write_run
 from analysis import load_runs
 from analysis.comparison import against_published, quantities
 from analysis.comparison.claims.verdicts import evaluate_claims
-from analysis.files import PUBLISHED
+from analysis.files import PUBLISHED, ROOT
 from analysis.reference import check, webplotdigitizer
 from analysis.reference.curves import load_references, sidecars
+from analysis.reference.reported import reported
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.build import build
@@ -687,3 +688,29 @@ def test_calibration_of_a_project_file_is_read(tmp_path):
     project_json(tmp_path / "wpd.json", {"a": settlement_points()}, x=(0, 1000), y=(20, 0))
     (dataset,) = webplotdigitizer.read(tmp_path / "wpd.json")
     assert dataset.calibration == ((0, 1000), (0, 20))
+
+
+def test_what_the_paper_reports_is_typed_in_one_file():
+    clumps = {str(n) for n in (reported().clumps, reported().clumps_nonlinear, reported().clumps_lost)}
+    typed = re.compile(rf"(?<![\d.])(?:{'|'.join(clumps)}|50 (?:to|and) 460|460e3)(?![\d.])")
+    files = [path for end in ("py", "txt", "html") for path in (ROOT / "analysis").rglob(f"*.{end}")]
+    assert [str(path) for path in files if typed.search(path.read_text())] == []
+
+
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ("[porosity]", "[voids]", "porosity is missing"),
+        ("value  = 4583", "value  = -4583", "clumps: allowed: a value above 0"),
+        ("value  = 4583", 'value  = "many"', "clumps: allowed: a value above 0"),
+        ("[clumps]", "[clumps", "is not valid TOML"),
+    ],
+)
+def test_damaged_numbers_of_the_paper_are_refused_in_one_line(folder, capsys, old, new, words):
+    path = folder / "talebiahooie2021" / "reported.toml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    assert check.main(["--folder", str(folder)]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("ERROR: reported.toml: ") and words in error and error.count("\n") == 1

@@ -8,6 +8,7 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.files import PUBLISHED
 from analysis.reference.curves import ReferenceError, References, load_references
+from analysis.reference.reported import reported
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.scenarios.scenario import ScenarioError
@@ -24,8 +25,9 @@ def main(argv: list[str]) -> int:
     try:
         laws = settlement_laws(folder)
         print(f"Settlement laws: {len(laws)} transcribed ({', '.join(law.id for law in laws)})")
-        found = settlement_shapes(folder)
+        found, beds = settlement_shapes(folder), reported(folder)
         print(f"Settlement shapes: {len(found.shapes)} {found.status} ({', '.join(s.id for s in found.shapes)})")
+        print(f"The paper's beds: {beds.clumps} and {beds.clumps_nonlinear} clumps, porosity {beds.porosity}")
     except (ReferenceError, ScenarioError) as error:
         problems.append(str(error))
     for problem in problems:

@@ -27,6 +27,8 @@ from analysis.scenarios.scenario import load_scenario, scenario_names
 
 NOT_CURVES = ("ballast_stiffness", "settlement_laws", "settlement_shapes")
 
+REPORTED = "reported.toml"
+
 COLUMNS = (
     "source",
     "figure",
@@ -224,7 +226,8 @@ def _takes_any_name(head: dict, datasets: list[Dataset]) -> bool:
 
 def sidecars(folder: Path = PUBLISHED) -> list[Path]:
     """Paths of all sidecars of `folder`, in alphabetical order."""
-    return sorted(p for p in Path(folder).glob("*/*.toml") if p.parent.name not in NOT_CURVES)
+    found = (p for p in Path(folder).glob("*/*.toml") if p.parent.name not in NOT_CURVES)
+    return sorted(p for p in found if p.name != REPORTED)
 
 
 def _source(sidecar: Path, head: dict, curves: list[pd.DataFrame]) -> dict:

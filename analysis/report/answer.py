@@ -140,7 +140,7 @@ def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Number of claims about the paper's models with each verdict, by code and reading: code, reading, verdict, claims,
     numbers.
     """
-    verdicts = verdicts[verdicts["about"] == PAPER] if "about" in verdicts else verdicts
+    verdicts = _of_the_paper(verdicts)
     if verdicts.empty:
         return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "numbers"])
     table = verdicts if "reading" in verdicts else verdicts.assign(reading=READINGS[0])
@@ -149,6 +149,11 @@ def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     counted = grouped.agg(claims="count", numbers=lambda n: ", ".join(str(v) for v in sorted(n)))
     rank = {reading: n for n, reading in enumerate(READINGS)}
     return counted.reset_index().sort_values("reading", key=lambda column: column.map(rank), kind="stable")
+
+
+def _of_the_paper(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """The verdicts on claims about the paper's own models."""
+    return verdicts[verdicts["about"] == PAPER] if "about" in verdicts else verdicts
 
 
 def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:
@@ -192,6 +197,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
         "claims": claim_counts(judged).to_dict("records"),
+        "claim_count": _of_the_paper(judged)["number"].nunique(),
         "agreement_limit": agreement["within_ratio"].max() if len(agreement) else math.nan,
     }
 

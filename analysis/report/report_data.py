@@ -18,6 +18,7 @@ from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figure import Gallery
 from analysis.report.labels import short_name
+from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
 from analysis.scenarios.study import key_scenarios
@@ -119,7 +120,7 @@ def speed(run: Run) -> float:
 
 def tracking_percent(run: Run) -> float:
     """Worst tracking error of the run, rms over a cycle, % of the maximum stress; nan without values."""
-    top = run.scenario["loading.stress_max"] if run.scenario else 460e3
+    top = run.scenario["loading.stress_max"] if run.scenario else paper().stress_max_Pa
     values = run.cycles["tracking_rms_Pa"].dropna()
     return 100 * float(values.max()) / top if len(values) else float("nan")
 

@@ -10,6 +10,7 @@ import jinja2
 from analysis.formats.numbers import plural
 from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
 from analysis.report.labels import MM, READING_NAMES, short_name, variant_name
+from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import number
 
@@ -43,6 +44,8 @@ def environment(**options) -> jinja2.Environment:
         "kpa": lambda value: number(value, 3, 1e-3),
         "g": lambda value: number(value, 2, 1 / GRAVITY),
         "percent": lambda value, digits=2: number(value, digits, 100),
+        "gravity": GRAVITY,
+        "paper": paper(),
         "label": short_name,
         "variant_label": variant_name,
         "reading_name": lambda reading: READING_NAMES[reading],

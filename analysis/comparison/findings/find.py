@@ -15,6 +15,8 @@ from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.files import KEPT_RUNS
 from analysis.normalised.readers import Run
 from analysis.reference.curves import References
+from analysis.scenarios.scenario import load_scenario
+from analysis.scenarios.study import key_scenarios
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,7 @@ def _pending(listed: list[Member], references: References, paper_scenarios: Iter
     """What is missing: kind (scenario, cycles, seeds, reference), scenario, reading, code, have, want."""
     rows = []
     full = {key[1:]: found for key, found in groups(listed).items() if key[0] == "full"}
+    cycles = load_scenario(key_scenarios()[0], "full")["loading.cycles"] if full else 0
     there = {scenario for scenario, *_ in full}
     for name in paper_scenarios:
         if name not in there:
@@ -145,8 +148,8 @@ def _pending(listed: list[Member], references: References, paper_scenarios: Iter
     for (scenario, reading, code), found in full.items():
         where = {"scenario": scenario, "reading": reading, "code": code}
         longest = max(int(m.run.cycles["cycle"].iloc[-1]) for m in found)
-        if longest < 1000:
-            rows.append({"kind": "cycles", **where, "have": longest, "want": 1000})
+        if longest < cycles:
+            rows.append({"kind": "cycles", **where, "have": longest, "want": cycles})
         if len(found) < 3:
             rows.append({"kind": "seeds", **where, "have": len(found), "want": 3})
     for (source, kind), part in references.pending.groupby(["source", "kind"], sort=True):

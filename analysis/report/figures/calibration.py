@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from analysis.driver.calibrate import REPORTED_CLUMPS, REPORTED_POROSITY
+from analysis.reference.reported import reported
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import MM, short_name
@@ -54,17 +54,18 @@ def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canv
             fontsize=style.SMALL,
             color=colour,
         )
-    c.axes.plot(REPORTED_CLUMPS, REPORTED_POROSITY, "+", color=INK, markersize=13, markeredgewidth=1.6)
+    paper = reported()
+    c.axes.plot(paper.clumps, paper.porosity, "+", color=INK, markersize=13, markeredgewidth=1.6)
     c.axes.annotate(
         "paper",
-        (REPORTED_CLUMPS, REPORTED_POROSITY),
+        (paper.clumps, paper.porosity),
         xytext=(-8, 5),
         textcoords="offset points",
         ha="right",
         fontsize=style.SMALL,
         color=INK,
     )
-    c.axes.axvspan(0.98 * REPORTED_CLUMPS, 1.02 * REPORTED_CLUMPS, color=SOFT, alpha=0.12, linewidth=0)
+    c.axes.axvspan(0.98 * paper.clumps, 1.02 * paper.clumps, color=SOFT, alpha=0.12, linewidth=0)
     c.axes.set(xlabel="clumps after packing (grey: ± 2 % of the paper's)", ylabel="mean porosity of the three spheres")
     c.axes.margins(0.14, 0.1)
     c.table = packed

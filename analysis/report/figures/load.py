@@ -14,6 +14,7 @@ from analysis.report import style
 from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, MM, short_name
+from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES, SOFT
 from analysis.scenarios.scenario import Scenario
 
@@ -28,7 +29,7 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
         return None
     error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
     for curve in curves:
-        top = curve.setup["loading.stress_max"] if curve.setup else 460e3
+        top = curve.setup["loading.stress_max"] if curve.setup else paper().stress_max_Pa
         seeds = curve.seeds("tracking_rms_Pa")
         draw(error, curve, curve.column("tracking_rms_Pa"), 100 / top, seeds=seeds)
     for limit, text in (

@@ -125,7 +125,7 @@ def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
     return g.finish(
         "figure13a",
         "Figure 13a remade: the measurement spheres",
-        "Radius 134 mm (reported); the centres follow from the "
+        f"Radius {MM * box.measurement_radius_m:g} mm (reported); the centres follow from the "
         "apparatus (derived). 1 lies under the rail seat, 3 at the shoulder, behind the movable plates 1 to 5.",
         [c],
         [],

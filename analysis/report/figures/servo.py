@@ -11,9 +11,9 @@ from analysis.comparison.findings import servo
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, short_name
+from analysis.report.paper import paper
 from analysis.report.style import SOFT
 
-OMEGA = 2 * math.pi * 20
 MARKS = {"linear": ("linear", "o"), "hysteretic": ("nonlinear", "s")}
 
 
@@ -24,7 +24,7 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
     known = table[table["time_constant_s"].notna() & table["amplitude_ratio"].notna()]
     if known.empty:
         return None
-    x = np.geomspace(0.01, 30, 200)
+    load, x = paper(), np.geomspace(0.01, 30, 200)
     loss = known["bed_loss_angle_rad"].mean()
     passed = servo.transfer(1.0, x * np.exp(-1j * loss))
     drawn = []
@@ -36,7 +36,11 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         c.axes.plot(x, factor * law, color=SOFT, linewidth=1.4)
         c.labels.append((x[-1], factor * law[-1], "the filter", SOFT))
         for model, (hue, marker) in MARKS.items():
-            part = known[known["law"] == model].assign(at=lambda t: OMEGA * t["time_constant_s"]).sort_values("at")
+            part = (
+                known[known["law"] == model]
+                .assign(at=lambda t: load.omega_per_s * t["time_constant_s"])
+                .sort_values("at")
+            )
             if part.empty:
                 continue
             c.axes.plot(
@@ -46,16 +50,16 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
             told = f"{'nonlinear' if model == 'hysteretic' else model} runs"
             c.labels.append((last["at"], factor * last[column], told, style.shade(hue)))
         c.axes.set_xscale("log")
-        c.axes.set(xlabel="2π × 20 Hz × time constant", ylabel=label)
+        c.axes.set(xlabel=f"2π × {load.frequency_Hz:g} Hz × time constant", ylabel=label)
         c.table = known
         drawn.append(c)
     return g.finish(
         "servo-filter",
         "PFC's servo is a first-order filter",
-        f"Line: what such a filter passes of a 20 Hz load, and how late, with the bed's mean loss angle of "
-        f"{math.degrees(loss):.0f}°. Marks: each run by the servo over its last five cycles, first harmonics. Their "
-        "time constant follows from the gain, the stiffness of the bed and the counted contacts of the sleeper; "
-        "nothing is fitted.",
+        f"Line: what such a filter passes of a {load.frequency_Hz:g} Hz load, and how late, with the bed's mean "
+        f"loss angle of {math.degrees(loss):.0f}°. Marks: each run by the servo over its last five cycles, first "
+        "harmonics. Their time constant follows from the gain, the stiffness of the bed and the counted contacts of "
+        "the sleeper; nothing is fitted.",
         drawn,
         [],
     )
@@ -92,14 +96,16 @@ def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         for r in rows.itertuples()
     ]
     c.axes.set_yticks(range(len(rows)), names, fontsize=style.SMALL)
-    for stress in (50, 460):
-        c.axes.axvline(stress, color=SOFT, linewidth=1, linestyle=(0, (3, 2)))
+    load = paper()
+    for stress in (load.stress_min_Pa, load.stress_max_Pa):
+        c.axes.axvline(KPA * stress, color=SOFT, linewidth=1, linestyle=(0, (3, 2)))
     c.axes.set(xlabel="stress on the sleeper, kPa", xlim=(0, 480), ylim=(-0.8, len(rows) - 0.2))
     c.table = rows
     return g.finish(
         "servo-stress",
         "The stress that PFC's servo applied",
-        "Least to largest over the last five cycles of each first packed bed; broken lines: 50 and 460 kPa, which "
+        "Least to largest over the last five cycles of each first packed bed; broken lines: "
+        f"{KPA * load.stress_min_Pa:g} and {KPA * load.stress_max_Pa:g} kPa, which "
         "the paper asks for. ● LIGGGHTS, □ YADE.",
         [c],
         [],

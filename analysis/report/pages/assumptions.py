@@ -18,6 +18,7 @@ from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.labels import KPA, MM, short_name
+from analysis.report.paper import paper
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios, name_of
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Column, Table, number, shown
@@ -94,7 +95,7 @@ def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
     names, seeds = (sorted(set(beds[name])) for name in ("code", "seed"))
     table = Table(
         f"Beds tried in {' and '.join(CODE_NAMES.get(code, code) for code in names)}; the paper's has "
-        f"{calibrate.REPORTED_CLUMPS} clumps at porosity {calibrate.REPORTED_POROSITY}",
+        f"{paper().reported.clumps} clumps at porosity {paper().reported.porosity}",
         [
             Column("aspect and gap"),
             Column("clumps", True),
@@ -173,7 +174,8 @@ def plate_laws(data: ReportData) -> list[dict]:
 def plate_table(runs: Sequence[Run], cycle: int) -> Table:
     """Runs under different laws of the plates after the same cycle, and the stress that the plates had up to it."""
     table = Table(
-        f"Laws of the plates, after {plural(cycle, 'cycle')}; the paper prescribes 10 kPa",
+        f"Laws of the plates, after {plural(cycle, 'cycle')}; the paper prescribes "
+        f"{number(paper().plate_stress_Pa, 3, KPA)} kPa",
         [
             Column("run"),
             Column("settlement, mm", True),
@@ -223,6 +225,7 @@ def difference_table(scenarios: dict[str, Scenario]) -> Table:
 def derived_table(s: Scenario) -> Table:
     """Quantities that follow from the parameters."""
     clump, box, grid = derived.clump(s), derived.apparatus(s), derived.time_grid(s)
+    low, high = s["loading.stress_min"], s["loading.stress_max"]
     rows = [
         ("radius of the two spheres", number(clump.radius_m, 5, MM), "mm"),
         ("distance of their centres", number(2 * clump.half_distance_m, 5, MM), "mm"),
@@ -233,8 +236,8 @@ def derived_table(s: Scenario) -> Table:
         ("sleeper area", number(box.sleeper_area_m2, 5), "m²"),
         ("area of a plate", number(box.plate_area_m2, 5), "m²"),
         (
-            "force on the sleeper at 50 and 460 kPa",
-            f"{number(50e3 * box.sleeper_area_m2, 4, 1e-3)}, {number(460e3 * box.sleeper_area_m2, 4, 1e-3)}",
+            f"force on the sleeper at {number(low, 3, KPA)} and {number(high, 3, KPA)} kPa",
+            f"{number(low * box.sleeper_area_m2, 4, 1e-3)}, {number(high * box.sleeper_area_m2, 4, 1e-3)}",
             "kN",
         ),
         ("space for ballast", number(box.ballast_volume_m3, 4), "m³"),

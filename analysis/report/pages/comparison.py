@@ -19,6 +19,7 @@ from analysis.report.figures.load import loop_figure, stroke_figure
 from analysis.report.figures.microstructure import microstructure_figure
 from analysis.report.figures.same_bed import same_bed_figure
 from analysis.report.labels import MM, READING_NAMES, short_name, time_steps
+from analysis.report.paper import paper
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, key_runs, name_of
 from analysis.report.sentences import lines
 from analysis.report.stock_table import stock_table
@@ -181,9 +182,10 @@ def seed_table(data: ReportData, profile: str) -> Table | None:
                     *(f"{number(m, 4)} ± {number(d, 2)}" for m, d in zip(mean, spread, strict=True)),
                 ]
             )
+    said = paper().reported
     table.note = (
-        "The paper reports 4583 clumps (4429 in its nonlinear model) and a porosity of about 0.35 under the sleeper. "
-        "Scenarios whose bed another scenario packed show that bed."
+        f"The paper reports {said.clumps} clumps ({said.clumps_nonlinear} in its nonlinear model) and a porosity of "
+        f"about {said.porosity} under the sleeper. Scenarios whose bed another scenario packed show that bed."
     )
     return table
 

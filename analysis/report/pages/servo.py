@@ -8,6 +8,7 @@ import pandas as pd
 
 from analysis.report.figures.servo import filter_figure, stress_range_figure
 from analysis.report.labels import KPA, MM, READING_NAMES, short_name
+from analysis.report.paper import paper
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Column, Table, number
@@ -76,11 +77,12 @@ def servo_table(table: pd.DataFrame) -> Table:
 
 
 def elastic_table(table: pd.DataFrame) -> Table | None:
-    """Settlement by the servo split into what springs back at 50 kPa and what stays."""
+    """Settlement by the servo split into what springs back at the least load and what stays."""
     if table.empty:
         return None
+    least = number(paper().stress_min_Pa, 3, KPA)
     made = Table(
-        "Settlement by the servo: what springs back when the load falls to 50 kPa, and what stays",
+        f"Settlement by the servo: what springs back when the load falls to {least} kPa, and what stays",
         [
             Column("run"),
             Column("load"),
@@ -105,6 +107,6 @@ def elastic_table(table: pd.DataFrame) -> Table | None:
         )
     made.note = (
         "Measured with `make unload`: a copy of the run was unloaded slowly from the stress at the end of the cycle to "
-        "50 kPa, with local damping. Elastic is what came back, permanent what stayed."
+        f"{least} kPa, with local damping. Elastic is what came back, permanent what stayed."
     )
     return made
