@@ -22,6 +22,7 @@ MAY_IMPORT = {
     "comparison": {"formats", "reference", "normalised", "scenarios", "laws", "files"},
     "docs": {"formats", "scenarios", "laws", "files", "arguments"},
     "report": {
+        "verification",
         "formats",
         "docs",
         "comparison",

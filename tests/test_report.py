@@ -22,7 +22,7 @@ from synthetic import write_run
 
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
-from analysis.files import KEPT_RUNS, write_csv
+from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, write_csv
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
@@ -34,6 +34,7 @@ from analysis.report.report_data import is_variant
 from analysis.report.tables import number
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
+from analysis.verification.verify import CASES as VERIFIED
 
 PAGES = [page.file for page in report.PAGES]
 VOID = {"meta", "link", "br", "img", "input", "hr", "line", "rect", "circle", "path", "use", "image", "polygon"}
@@ -326,7 +327,22 @@ def test_verification_shows_failures(site):
     page = site[2]["verification.html"]
     assert "LIGGGHTS, the paper's law: 1 of 1 comparisons pass" in page.says
     assert "YADE, its own law: 0 of 1 comparisons pass" in page.says and "YADE counts it, wrong on purpose" in page.says
-    assert "verification-impact-linear-force_N" in page.text
+    assert "verification-impact-linear-errors" in page.text
+
+
+def test_the_verification_page_tells_of_each_case_what_must_come_out_and_shows_one_curve():
+    """From the cases: the account, a sketch of the probe that is run, and a curve that the kept result has."""
+    kept = KEPT_VERIFICATION / "verification"
+    for case in VERIFIED:
+        account = case.account
+        assert all((account.happens, account.formula, account.source, account.tolerance)), case.name
+        seen = case.sketch()
+        assert seen.discs and (seen.arrows or seen.way or seen.weight or case.name == "porosity"), case.name
+        assert bool(account.curve) == (kept / f"{case.name}_liggghts.csv").exists(), case.name
+        for code in ("liggghts", "yade") if account.curve else ():
+            series, column = account.curve
+            curve = pd.read_csv(kept / f"{case.name}_{code}.csv")
+            assert len(curve[curve["series"] == series].dropna(subset=[column, f"{column}_expected"])) > 5, case.name
 
 
 def test_runs_page_tells_state_deviations_and_command(site):

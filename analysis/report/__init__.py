@@ -1,6 +1,5 @@
 """The site that `make report` builds: `build` gathers runs and findings into the report's data, `pages` says what it
 shows, `figures` draws, `pictures` renders beds (also for `make view`), `templates` holds HTML and sentences.
 
-The end of the flow: nothing imports it, and of the verification it reads the files alone. Imports from this package:
-`formats`, `docs`, `comparison`, `reference`, `driver`, `normalised`, `scenarios`, `analysis.laws`,
-`analysis.arguments` and `analysis.files`."""
+The end of the flow: nothing imports it. Imports from this package: `formats`, `docs`, `comparison`, `reference`,
+`driver`, `normalised`, `verification`, `scenarios`, `analysis.laws`, `analysis.arguments` and `analysis.files`."""

@@ -5,41 +5,56 @@ from __future__ import annotations
 import pandas as pd
 
 from analysis.report import style
+from analysis.report.curves import css
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import MM, short_name
 from analysis.report.style import Canvas
 
 MARKS = ("o", "s", "^", "D", "v")
+CYCLES = (5, 20)
+LARGEST_SHARE = 0.9
+"""Of the critical step: no run is loaded beyond 0.85 of it."""
 
 
 def timestep_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
-    """Settlement after 5 and 20 cycles against step over critical step: a mark per bed, a colour per scenario."""
+    """Settlement against step over critical step: a panel per scenario and cycle, a mark per bed."""
     done = table[(table["state"] == "done") & (table["ranks"] == 1)]
-    drawn = [canvas for cycle in (5, 20) if (canvas := _at(g, done[done["cycle"] == cycle], cycle))]
+    drawn = [
+        _panel(g, rows, scenario, cycle)
+        for scenario, of_scenario in done.groupby("scenario", sort=False)
+        for cycle in CYCLES
+        if len(rows := of_scenario[of_scenario["cycle"] == cycle]) > 1
+    ]
     if not drawn:
         return None
     return g.finish(
         "timestep",
         "Settlement against the time step",
-        "Marks of one shape are runs from one packed bed, joined by a line; other shapes are other beds. A step "
-        "matters where a line is not level by more than shapes differ.",
+        "Each panel has its own scale, from zero. Marks of one shape are runs from one packed bed, joined by a line; "
+        "other shapes are other beds. A step matters where a line is not level by more than the beds differ.",
         drawn,
         [],
+        layout="two",
     )
 
 
-def _at(g: Gallery, rows: pd.DataFrame, cycle: int) -> Canvas | None:
-    if rows.empty:
-        return None
-    c = style.canvas(f"timestep-{cycle}", f"Settlement after {cycle} cycles against the time step", right=1.4)
-    marks = dict(zip(dict.fromkeys(rows["bed"]), MARKS, strict=False))
-    for scenario, of_scenario in rows.groupby("scenario", sort=False):
-        colour, _ = g.look(scenario)
-        for bed, part in of_scenario.sort_values("step_share").groupby("bed", sort=False):
-            settled = MM * part["settlement_m"]
-            c.axes.plot(part["step_share"], settled, marks.get(bed, "x"), linestyle="-", color=colour, linewidth=0.9)
-        c.labels.append((of_scenario["step_share"].max(), settled.iloc[-1], short_name(scenario), colour))
-    c.axes.set_yscale("log")
-    c.axes.set(xlabel="time step over the critical one", ylabel=f"settlement after {cycle} cycles, mm (logarithmic)")
+def _panel(g: Gallery, rows: pd.DataFrame, scenario: str, cycle: int) -> Canvas:
+    name = short_name(scenario)
+    c = style.canvas(
+        f"timestep-{scenario}-{cycle}", f"Settlement after {cycle} cycles against the time step, {name}", right=1.0
+    )
+    colour, _ = g.look(scenario)
+    beds = dict.fromkeys(rows["bed"])
+    for (n, bed), mark in zip(enumerate(beds, 1), MARKS * len(beds), strict=False):
+        part = rows[rows["bed"] == bed].sort_values("step_share")
+        shares, settled = part["step_share"].to_numpy(), MM * part["settlement_m"].to_numpy()
+        c.axes.plot(shares, settled, mark, linestyle="-", color=colour, linewidth=0.9)
+        c.labels.append((shares[-1], settled[-1], f"bed {n}", colour))
+        c.series.append({"label": f"bed {n}", "colour": css(colour), "x": list(shares), "y": list(settled)})
+    c.axes.set_title(f"{name}, {cycle} cycles")
+    c.axes.set_xlim(0, LARGEST_SHARE)
+    c.axes.set_ylim(0, 1.15 * MM * rows["settlement_m"].max())
+    c.axes.set(xlabel="time step over the critical one", ylabel="settlement, mm")
+    c.hover_x, c.hover_unit = "step over critical", "mm"
     c.table = rows
     return c

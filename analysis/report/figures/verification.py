@@ -1,4 +1,4 @@
-"""Figures of the verification: errors against tolerances, and what the engines gave on top of what was expected."""
+"""Figures of the verification: a sketch of each case, one curve over what was expected, errors against tolerances."""
 
 from __future__ import annotations
 
@@ -7,38 +7,45 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from analysis.report import style
 from analysis.report.curves import css
-from analysis.report.figure import Figure, Gallery
-from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, SOFT
+from analysis.report.figure import Gallery
+from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, PAPER, SOFT
+from analysis.report.tables import number
+from analysis.verification.cases.base import Case
+from analysis.verification.sketch import Sketch
 
-CASE_NAMES = {
-    "head-on": "Head-on impact of two spheres",
-    "wall-dashpot": "Dashpot at a wall",
-    "chung-ooi": "Chung and Ooi (2011), tests 1 to 3",
-    "oblique": "Oblique impact on a wall",
-    "no-approach": "Contacts without approach speed",
-    "path": "Imposed paths: load, slide, reverse, unload, reload",
-    "free-rotation": "Free rotation of a clump",
-    "clump-bounce": "A clump bounces off a wall",
-    "energy": "Energy of columns of clumps",
-    "load-control": "Load control on a stack of known stiffness",
-    "porosity": "Porosity of the measurement spheres",
+WHERE = re.compile(r",| (?:of (?!contact)|at|with|after|around|between|on|against|stored|while|in|across)\b")
+"""What follows names the place or the moment of a comparison."""
+UNITS = {
+    "kgm2_s": "kg m²/s",
+    "kgm_s": "kg m/s",
+    "Nm": "N m",
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "deg": "°",
+    "rad": "rad",
+    "Pa": "Pa",
+    "m": "m",
+    "s": "s",
+    "N": "N",
+    "J": "J",
 }
-UNITS = {"m_s": "m/s", "rad_s": "rad/s", "deg": "°", "rad": "rad", "Pa": "Pa", "m": "m", "s": "s", "N": "N", "J": "J"}
 PREFIXES = ((1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"))
 PREFIXED = ("m", "s", "N", "J", "Pa")
-CYCLE = ("linear", "nonlinear", "md1", "md0", "md2", "other")
-MOST_LABELS = 7
-ALIKE = 8.0
-"""Curves whose greatest values are within this ratio share a panel."""
 LEAST_ERROR = 1e-12
+LEAST_RANGE = 0.02
+"""Of an axis over its greatest value: what drifts by less looks level."""
+FEW, MOST_HOVERED = 25, 300
+"""Points of a curve that are drawn as marks, and that can be read by hovering."""
+ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 11}
 
 
-def case_name(case: str) -> str:
-    """A case in words."""
-    return CASE_NAMES.get(case, case.replace("-", " ").replace("_", " ").capitalize())
+def kind_of(quantity: str) -> str:
+    """What a comparison is of, in few words: `slip_limit_N at 0.36 m/s closing of wall` -> slip limit."""
+    return split_unit(WHERE.split(quantity, maxsplit=1)[0])[0]
 
 
 def split_unit(column: str) -> tuple[str, str]:
@@ -73,31 +80,101 @@ def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
     return found
 
 
-def case_figure(g: Gallery, folder: Path, case: str, rows: pd.DataFrame) -> Figure | None:
-    """Errors of a case against their tolerances, and its curves: one panel per quantity and size."""
-    name = f"verification-{re.sub('[^a-z0-9-]+', '-', case.lower())}"
-    curves = case_curves(folder, case)
-    drawn = [_errors(f"{name}-errors", rows)]
-    caption = "Relative error of every comparison against its tolerance (bar)."
-    if curves:
-        abscissa, *columns = [c for c in next(iter(curves.values())) if c != "series" and not c.endswith("_expected")]
-        for column in columns:
-            for n, group in enumerate(_groups(curves, column)):
-                drawn.append(_panel(f"{name}-{column}" + (f"-{n + 1}" if n else ""), curves, abscissa, column, group))
-        caption += " Broad grey: expected; coloured: measured."
-    figure = g.finish(name, case_name(case), caption, drawn, [])
+def case_figure(g: Gallery, folder: Path, name: str, title: str, case: type[Case] | None, rows: pd.DataFrame):
+    """Sketch of a case, one curve of it with what was expected, and all its errors against their tolerances.
+
+    case -- None where verification.csv names one that is not known any more: there are errors only
+    """
+    stem = f"verification-{re.sub('[^a-z0-9-]+', '-', name.lower())}"
+    caption, drawn = "", []
+    if case:
+        drawn.append(_sketch(f"{stem}-sketch", title, case.sketch()))
+        if case.account.curve:
+            series, column = case.account.curve
+            curves = case_curves(folder, name)
+            drawn.append(_curve(f"{stem}-curve", curves, series, column))
+            caption = f"Curve: {series}; broad grey is expected. {_off(curves, series, column)} "
+    caption += "Errors: every comparison (mark) and its tolerance (bar)."
+    figure = g.finish(stem, title, caption, [*drawn, _errors(f"{stem}-errors", rows)], [])
     if figure:
-        codes = [code for code in CODE_NAMES if code in set(rows["code"]) | set(curves)]
+        codes = [code for code in CODE_NAMES if code in set(rows["code"])]
         figure.key = [{"label": CODE_NAMES[code], "code": code} for code in codes]
     return figure
 
 
+def _sketch(name: str, title: str, seen: Sketch) -> style.Canvas:
+    """What lies where at the start, seen along y; how bodies move, and what holds them."""
+    c = style.canvas(name, f"Sketch: {title}, at the start, seen from the side", left=0.1, right=0.1, bottom=0.1)
+    size = min(disc.radius for disc in seen.discs if not disc.hollow)
+    near = [disc for disc in seen.discs if disc.radius <= 100 * size]
+    for disc in seen.discs:
+        face = "none" if disc.hollow else style.shade("other", -1) if disc.held else style.shade("linear", -1)
+        look = {"linestyle": (0, (4, 2))} if disc.hollow else {"hatch": "///"} if disc.held else {}
+        c.axes.add_patch(Circle((disc.x, disc.z), disc.radius, facecolor=face, edgecolor=INK, linewidth=0.8, **look))
+    for disc in near:
+        if not disc.held and not disc.hollow:
+            c.axes.plot(disc.x, disc.z, ".", color=INK, markersize=2)
+    xs = [disc.x + side * disc.radius for disc in near for side in (-1.2, 1.2)]
+    zs = [disc.z + side * disc.radius for disc in near for side in (-1.2, 1.2)]
+    if seen.block:
+        half_x, half_z = seen.block
+        c.axes.add_patch(
+            Rectangle((-half_x, -half_z), 2 * half_x, 2 * half_z, facecolor=style.shade("other", -1), edgecolor=INK)
+        )
+        xs, zs = [*xs, -1.2 * half_x, 1.2 * half_x], [*zs, -1.2 * half_z, 1.2 * half_z]
+    if seen.way:
+        x, z = zip(*seen.way, strict=True)
+        c.axes.plot(x, z, color=style.shade("nonlinear"), linewidth=1.6)
+        xs, zs = [*xs, *x], [*zs, *z]
+    for arrow in seen.arrows:
+        tip = (arrow.x + 1.9 * size * arrow.along_x, arrow.z + 1.9 * size * arrow.along_z)
+        c.axes.annotate("", tip, (arrow.x, arrow.z), arrowprops=ARROW | {"color": style.shade("nonlinear")})
+        xs, zs = [*xs, tip[0]], [*zs, tip[1], arrow.z]
+    for x, z in seen.spins:
+        c.axes.add_patch(
+            FancyArrowPatch(
+                (x - 0.5 * size, z + 0.3 * size),
+                (x + 0.5 * size, z + 0.3 * size),
+                connectionstyle="arc3,rad=-0.6",
+                **ARROW,
+                color=style.shade("nonlinear"),
+            )
+        )
+    if seen.lid_m is not None:
+        c.axes.plot([min(xs), max(xs)], [seen.lid_m] * 2, color=INK, linewidth=3)
+    if seen.floor:
+        c.axes.axhspan(-0.35 * size, 0, facecolor=style.shade("other", -1), edgecolor=INK, hatch="///", linewidth=0)
+        c.axes.axhline(0, color=INK, linewidth=1)
+        zs.append(-0.35 * size)
+    if seen.weight:
+        c.axes.annotate("gravity", (0.9, 0.78), (0.9, 0.97), "axes fraction", arrowprops=ARROW, ha="center", fontsize=9)
+    c.axes.set_xlim(min(xs), max(xs))
+    c.axes.set_ylim(min(zs), max(zs))
+    c.axes.set_aspect("equal", adjustable="datalim")
+    c.axes.set_axis_off()
+    c.table = pd.DataFrame([vars(disc) for disc in seen.discs])
+    return c
+
+
+def _off(curves: dict[str, pd.DataFrame], series: str, column: str) -> str:
+    """How far nine in ten points of each code's curve are from what was expected, in words: the others lie at jumps,
+    where a step earlier or later is all there is.
+    """
+    found = []
+    for code, table in curves.items():
+        part = table[table["series"] == series]
+        expected = part[f"{column}_expected"]
+        error = (part[column] - expected).abs().quantile(0.9) / expected.abs().max()
+        found.append(f"{number(error, 2, 100)} % in {CODE_NAMES[code]}")
+    return f"Nine in ten points are off by less than {', '.join(found)}, of the greatest value." if found else ""
+
+
 def _errors(name: str, rows: pd.DataFrame) -> style.Canvas:
     """A line per quantity: relative errors as marks on a logarithmic axis, the tolerance as a bar."""
-    kinds = rows["quantity"].str.replace(r" of .*", "", regex=True)
+    kinds = rows["quantity"].map(kind_of)
     order = list(dict.fromkeys(kinds))
     c = style.canvas(
-        name, "Relative errors and tolerances", height=max(2.4, 1.0 + 0.2 * len(order)), left=1.75, right=0.15
+        name, "Relative errors and tolerances", height=max(3.0, 1.0 + 0.2 * len(order)), left=1.75, right=0.15
     )
     for n, kind in enumerate(order):
         part = rows[kinds == kind]
@@ -119,99 +196,60 @@ def _errors(name: str, rows: pd.DataFrame) -> style.Canvas:
                     markeredgecolor=colour,
                 )
     c.axes.set_xscale("log")
-    c.axes.set_yticks(range(len(order)), [_short(split_unit(kind)[0]) for kind in order])
+    c.axes.set_yticks(range(len(order)), order)
     c.axes.set_ylim(len(order) - 0.4, -0.6)
     c.axes.set_xlabel("relative error")
     c.table = rows
     return c
 
 
-def _short(text: str, room: int = 30) -> str:
-    return text if len(text) <= room else text[: room - 1] + "…"
-
-
-def _groups(curves: dict[str, pd.DataFrame], column: str) -> list[list[str]]:
-    """Series whose greatest values are alike, the largest first; at most four groups."""
-    peaks: dict[str, float] = {}
-    for table in curves.values():
-        if column in table:
-            values = pd.to_numeric(table[column], errors="coerce").abs()
-            for series, peak in values.groupby(table["series"]).max().items():
-                peaks[series] = max(peaks.get(series, 0.0), peak) if peak == peak else peaks.get(series, 0.0)
-    groups: list[list[str]] = []
-    start = 0.0
-    for series, peak in sorted(peaks.items(), key=lambda item: -item[1]):
-        if not groups or (peak * ALIKE < start and len(groups) < 4):
-            groups.append([])
-            start = peak
-        groups[-1].append(series)
-    return groups
-
-
-def _colour(series: str, n: int) -> str:
-    """Series named after a law have that law's hue."""
-    family = next((f for f in ("md0", "md1", "md2", "linear") if f in series), None)
-    if family is None and re.search(r"en1|hertz|hysteretic|nonlinear", series):
-        family = "nonlinear"
-    return style.shade(family or CYCLE[n % len(CYCLE)])
-
-
-def _panel(
-    name: str, curves: dict[str, pd.DataFrame], abscissa: str, column: str, group: list[str]
-) -> style.Canvas | None:
-    """One quantity of a few series in both codes."""
-    chosen = {code: t[t["series"].isin(group)] for code, t in curves.items() if column in t}
-    chosen = {
-        code: t.assign(**{k: pd.to_numeric(t[k], errors="coerce") for k in (abscissa, column)})
-        for code, t in chosen.items()
-    }
-    greatest = [max((t[k].abs().max() for t in chosen.values()), default=0.0) for k in (abscissa, column)]
-    (x_label, x_factor), (y_label, y_factor) = axis_of(abscissa, greatest[0]), axis_of(column, greatest[1])
-    labelled = 1 < len(group) <= MOST_LABELS
-    c = style.canvas(name, f"{y_label} against {x_label}", right=1.25 if labelled else 0.3, height=3.0)
-    for code, table in chosen.items():
-        look = CODE_STYLES.get(code, OTHER_STYLE)
-        for n, series in enumerate(sorted(group)):
-            part = table[table["series"] == series]
-            x, y = x_factor * part[abscissa].to_numpy(), y_factor * part[column].to_numpy()
-            if not np.isfinite(y).any():
-                continue
-            colour, few = _colour(series, n), len(part) <= 25
-            expected = f"{column}_expected" in part
-            if expected:
-                c.axes.plot(x, y_factor * part[f"{column}_expected"], color=SOFT, linewidth=4, alpha=0.35, zorder=1)
-            c.axes.plot(
-                x,
-                y,
-                color=colour,
-                linewidth=0 if few and expected else 1.1,
-                linestyle=look["linestyle"],
-                marker=look["marker"] if few else "",
-                markersize=4.2 if code == "liggghts" else 6,
-                zorder=3 if code == "liggghts" else 2,
-                markerfacecolor=PAPER if code == "yade" else colour,
-                markeredgecolor=colour,
-            )
-            if labelled and series not in {text for _, _, text, _ in c.labels}:
-                end = np.flatnonzero(np.isfinite(y))[-1]
-                c.labels.append((x[end], y[end], series, colour))
-            if few:
-                values = [None if v != v else float(f"{v:.6g}") for v in y]
-                c.series.append(
-                    {
-                        "label": f"{series} {CODE_NAMES[code]}",
-                        "colour": css(colour),
-                        "x": [float(f"{v:.6g}") for v in x],
-                        "y": values,
-                    }
-                )
-    if not c.axes.lines:
+def _curve(name: str, curves: dict[str, pd.DataFrame], series: str, column: str) -> style.Canvas | None:
+    """One quantity of one series in both codes, over what was expected."""
+    chosen = {code: t[t["series"] == series] for code, t in curves.items() if column in t}
+    chosen = {code: part for code, part in chosen.items() if len(part)}
+    if not chosen:
         return None
-    c.leaders = False
+    abscissa = next(iter(chosen.values())).columns[1]
+    greatest = [max(part[k].abs().max() for part in chosen.values()) for k in (abscissa, column)]
+    (x_label, x_factor), (y_label, y_factor) = axis_of(abscissa, greatest[0]), axis_of(column, greatest[1])
+    c = style.canvas(name, f"{y_label} against {x_label}, {series}", left=0.75, right=0.2)
+    for code, part in chosen.items():
+        look = CODE_STYLES.get(code, OTHER_STYLE)
+        x, y = x_factor * part[abscissa].to_numpy(), y_factor * part[column].to_numpy()
+        colour, few = _colour(series), len(part) <= FEW
+        if f"{column}_expected" in part:
+            expected = y_factor * part[f"{column}_expected"]
+            c.axes.plot(x, expected, color=SOFT, linewidth=5, alpha=0.35, zorder=1, solid_capstyle="round")
+        c.axes.plot(
+            x,
+            y,
+            color=colour,
+            linewidth=0 if few else 1.2,
+            linestyle=look["linestyle"],
+            marker=look["marker"] if few else "",
+            markersize=4.2 if code == "liggghts" else 6,
+            zorder=3 if code == "liggghts" else 2,
+            markerfacecolor=PAPER if code == "yade" else colour,
+            markeredgecolor=colour,
+        )
+        if len(part) <= MOST_HOVERED:
+            values = [None if v != v else float(f"{v:.6g}") for v in y]
+            c.series.append(
+                {"label": CODE_NAMES[code], "colour": css(colour), "x": [float(f"{v:.6g}") for v in x], "y": values}
+            )
+    low, high = c.axes.get_ylim()
+    room = max(0.0, LEAST_RANGE * max(abs(low), abs(high)) - (high - low)) / 2
+    c.axes.set_ylim(low - room, high + room)
     c.axes.set(xlabel=x_label, ylabel=y_label)
     c.hover_x, c.hover_unit = x_label.partition(",")[0], y_label.partition(", ")[2]
     columns = ["series", abscissa, column, f"{column}_expected"]
     c.table = pd.concat(
-        [t[[k for k in columns if k in t]].assign(code=code) for code, t in chosen.items()], ignore_index=True
+        [part[[k for k in columns if k in part]].assign(code=code) for code, part in chosen.items()], ignore_index=True
     )
     return c
+
+
+def _colour(series: str) -> str:
+    """Series named after a law have that law's hue."""
+    family = next((f for f in ("md0", "md1", "md2", "linear") if f in series), None)
+    return style.shade(family or ("nonlinear" if re.search(r"hertz|hysteretic|damped|glass", series) else "linear"))

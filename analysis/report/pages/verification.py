@@ -5,13 +5,17 @@ from __future__ import annotations
 import pandas as pd
 
 from analysis.files import KEPT_VERIFICATION
-from analysis.report.figures.verification import case_figure, case_name
+from analysis.report.figures.verification import case_figure
 from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables import Chip, Column, Table, number
+from analysis.verification.verify import CASES
 
 OWN_LAW = r"YADE has no|YADE counts|YADE's own|its own oracle|its own expected value"
 """What the reason of a comparison says where YADE is held to a law of its own instead of the paper's."""
+
+
+KNOWN = {case.name: case for case in CASES}
 
 
 def verification(data: ReportData) -> dict:
@@ -31,11 +35,13 @@ def verification(data: ReportData) -> dict:
     cases = []
     for case in dict.fromkeys(rows["case"]):
         part = rows[rows["case"] == case].sort_values("passed", kind="stable")
-        title = case_name(case)
-        figure = case_figure(data.gallery, data.verification_folder, case, part)
+        known = KNOWN.get(case)
+        title = known.title if known else case
+        figure = case_figure(data.gallery, data.verification_folder, case, title, known, part)
         passed = int(part["passed"].sum())
         cases.append(
             {"name": case, "title": title, "passed": passed, "total": len(part), "figure": figure}
+            | {"account": known and known.account, "own_law": bool(own[part.index].any())}
             | {"failed": case_table(part[~part["passed"]], f"{title}: fail")}
             | {"table": case_table(part[part["passed"]], f"{title}: pass")}
         )

@@ -3,12 +3,32 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from analysis.verification.engine_laws import ENGINE_LAWS
 from analysis.verification.probes import Probe, Trajectory
 from analysis.verification.results import Results
+from analysis.verification.sketch import Sketch, sketch_of
+
+
+@dataclass(frozen=True)
+class Account:
+    """What a reader of the report is told of a case."""
+
+    happens: str
+    """What is done, in a sentence."""
+    formula: str
+    """What must come out."""
+    source: str
+    """Where the formula is from."""
+    tolerance: str
+    """How far a result may be off, and why so far."""
+    curve: tuple[str, str] | None = None
+    """Series and column of the curve that is drawn; None for a case without curves."""
+    pictured: int = 0
+    """Which of the probes the sketch shows."""
 
 
 class Case(ABC):
@@ -16,6 +36,12 @@ class Case(ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    account: ClassVar[Account]
+
+    @classmethod
+    @abstractmethod
+    def sketch(cls) -> Sketch:
+        """What lies where at the start, for a drawing."""
 
 
 class ProbedCase(Case):
@@ -30,6 +56,11 @@ class ProbedCase(Case):
     @abstractmethod
     def probes(self) -> list[Probe]:
         """What is run."""
+
+    @classmethod
+    def sketch(cls) -> Sketch:
+        """Of the probe that the account names."""
+        return sketch_of(cls("liggghts").probes()[cls.account.pictured])
 
     @abstractmethod
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:

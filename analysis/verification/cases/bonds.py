@@ -9,7 +9,7 @@ import numpy as np
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import bond_oracle, oracle
-from analysis.verification.cases.base import ProbedCase
+from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.cases.clumps import Motion
 from analysis.verification.probes import Ball, ClumpAt, Probe, Trajectory, with_values
 from analysis.verification.results import Results
@@ -46,6 +46,15 @@ class Paths(ProbedCase):
     """
 
     name, title = "bond-path", "Two bonded spheres along prescribed paths"
+    account = Account(
+        "Two bonded spheres are pulled, sheared, bent, twisted and all at once until the bond breaks.",
+        "Force and moment grow by stiffness × way and turn with the bond; it breaks at strength × A, × I / R, × J / R.",
+        "Potyondy and Cundall (2004), step by step in Python; strengths in closed form",
+        "0.01 % of the greatest load; the step of breaking by 2 steps, in YADE by the steps between its "
+        "looks at bonds.",
+        ("pulled and bent", "torque_Nm"),
+        4,
+    )
     STEPS, STEP = 10_000, 1e-6
 
     def __init__(self, code: str):
@@ -221,6 +230,13 @@ class Cantilever(ProbedCase):
     """
 
     name, title = "bond-cantilever", "Cantilever of ten bonded spheres"
+    account = Account(
+        "Ten bonded spheres in a row, the first held, bend under a weight that acts of a sudden.",
+        "Row of springs as a linear system, all modes; at rest Timoshenko's cantilever.",
+        "Linear algebra by numpy; Timoshenko beam theory",
+        "1 %: the linear system leaves out that the row shortens as it bends.",
+        ("tip", "tip_deflection_m"),
+    )
     COUNT, GRAVITY, MASS = 10, 2.0, 0.04
     STEP, STEPS, EVERY = 4e-6, 60_000, 60
 
@@ -305,6 +321,14 @@ class Energy(ProbedCase):
     """
 
     name, title = "bond-energy", "Energy of a free bonded pair"
+    account = Account(
+        "A free bonded pair stretches, shears, bends and twists.",
+        "Kinetic energy + energy of bond and contact stay; so do momentum and angular momentum.",
+        "Conservation laws; energy of the bond from its loads and stiffnesses",
+        "0.5 % of the energy, 0.2 % of the momenta at the worst moment of 20 ms: velocities are half a step "
+        "apart from forces and are averaged.",
+        ("total", "energy_J"),
+    )
     MASS, STEP, STEPS = 0.04, 1e-6, 20_000
 
     def __init__(self, code: str):
@@ -403,6 +427,12 @@ class Clumps(ProbedCase):
     """
 
     name, title = "bond-clumps", "Bonds between clumps, not within them nor at walls"
+    account = Account(
+        "Two clumps that touch at one pair of spheres part, with a bond between them, one of them from the wall.",
+        "One bond, none inside clumps nor at the wall; it pulls by k_n A × gap.",
+        "Newton's third law; Potyondy and Cundall (2004)",
+        "0.2 % of the pull and of the momenta: 1500 steps.",
+    )
     SPEED, STEP, STEPS = 0.5, 1e-6, 1500
 
     def __init__(self, code: str):

@@ -11,7 +11,7 @@ from analysis import laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
-from analysis.verification.cases.base import ProbedCase
+from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.cases.impacts import own_slip_limit
 from analysis.verification.engine_laws import PAPER, wall_law
 from analysis.verification.probes import ClumpAt, Probe, Trajectory, with_values
@@ -55,6 +55,15 @@ class FreeRotation(ProbedCase):
     axis goes round the momentum at |L| / I_transverse. No contact ever acts between its own spheres."""
 
     name, title = "free-rotation", "A clump spins freely"
+    account = Account(
+        "A clump spins freely about an axis that is none of its own.",
+        "Energy and angular momentum L stay; the clump's axis goes round L at |L| / I_transverse.",
+        "Euler's equations of a symmetric body, closed form",
+        "0.1 % of the momentum, 0.5 % of the axis over 10⁵ steps; 0.5 % of the energy in YADE, whose "
+        "rotation gains energy in "
+        "proportion to step and time.",
+        ("axis", "axis_x"),
+    )
     SPIN = (60.0, 20.0, 150.0)
 
     def __init__(self, code: str):
@@ -157,6 +166,15 @@ class Bounces(ProbedCase):
     """
 
     name, title = "clump-bounce", "A clump bounces off the wall"
+    account = Account(
+        "A clump falls on the wall: upright, flat, leaning, on both ends, spinning.",
+        "Newton's and Euler's equations of the rigid clump with the wall's law at each sphere; the dashpot "
+        "has the clump's mass.",
+        "Eq. 1 to 7 of the paper; rigid body integrated by scipy",
+        "0.5 % of the incoming speed: contacts of some 1000 steps, slip that begins within a step.",
+        ("leaning-damped", "velocity_x_m_s"),
+        7,
+    )
     # lean of the axis (degrees), velocity (x, z), spin about y
     FALLS = {
         "upright": (0.0, 0.0, -1.0, 0.0),
@@ -247,6 +265,15 @@ class Pairs(ProbedCase):
     """Case 6c: two clumps meet head-on, end to end: inertia and dashpot have the mass of whole clumps."""
 
     name, title = "clump-pair", "Two clumps meet end to end"
+    account = Account(
+        "Two clumps meet end to end at 1 m/s.",
+        "As two spheres of the clump's mass: restitution, peak overlap and peak force.",
+        "Eq. 6, 7 and 14 to 16 of the paper, integrated by scipy",
+        "0.5 %: 2000 steps in contact; a dashpot with the mass of half a clump changes the linear "
+        "restitution by a fifth.",
+        ("hysteretic", "force_N"),
+        1,
+    )
     SPEED = 1.0
 
     def __init__(self, code: str):
@@ -294,6 +321,14 @@ class Column(ProbedCase):
     """
 
     name, title = "energy", "Energy of a column of clumps"
+    account = Account(
+        "Three clumps fall on the floor and bounce, without losses; one slides over the floor, with friction "
+        "and dashpot.",
+        "Kinetic + potential + elastic energy stays; with friction plus what slip and dashpots lost.",
+        "Conservation of energy; elastic energy ½ k × overlap², Hertz ⅖ h × overlap^(5/2)",
+        "0.5 % over 10⁵ steps: so much it may drift; the column of Hertz contacts in YADE comes nearest to it.",
+        ("friction", "energy_J"),
+    )
 
     def __init__(self, code: str):
         super().__init__(code)

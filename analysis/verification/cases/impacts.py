@@ -12,7 +12,7 @@ from analysis import laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
-from analysis.verification.cases.base import ProbedCase
+from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.engine_laws import PAPER, wall_law
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
 from analysis.verification.results import Results
@@ -145,6 +145,15 @@ class HeadOn(Impacts):
     """Case 1: two spheres of the clump's radius and mass, linear and hysteretic, at two speeds."""
 
     name, title = "head-on", "Head-on impact of two spheres"
+    account = Account(
+        "Two equal spheres meet at 0.1 and 1 m/s, with the linear law and with every damping mode and restitution.",
+        "Linear: peak overlap v √(m / k), peak force v √(m k), duration π √(m / k). Hertz: peak overlap (5 m "
+        "v² / 4 h)^(2/5), "
+        "force h × overlap^(3/2). With damping: restitution from the factor D alone.",
+        "Eq. 1 and 8 of the paper, Hertz (1882); with damping eq. 14 to 16, integrated by scipy",
+        "0.2 %: a contact lasts 3000 steps. What the steps leave out is below that; a wrong factor or mass is not.",
+        ("md1-en0.6-1", "force_N"),
+    )
 
     def make(self) -> None:
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
@@ -207,6 +216,13 @@ class WallDashpot(Impacts):
     """Case 5: restitution of the wall's dashpot, 0.8279 at a damping ratio of 0.06."""
 
     name, title = "wall-dashpot", "Impact on the wall with damping ratio 0.06"
+    account = Account(
+        "A sphere meets the study's wall at 0.1 and 1 m/s.",
+        "Restitution exp(−π β / √(1 − β²)) = 0.828 at β = 0.06, at any speed.",
+        "Eq. 1 and 6 of the paper; Kawaguchi's closed form of the free impact",
+        "0.2 %: a contact lasts 3000 steps, whose error is below a tenth of that.",
+        ("wall-1", "overlap_m"),
+    )
 
     def make(self) -> None:
         scenario = load_scenario("nonlinear-en1.0")
@@ -249,6 +265,15 @@ class ChungOoi(Impacts):
     """
 
     name, title = "chung-ooi", "Chung and Ooi (2011), tests 1, 2 and 3"
+    account = Account(
+        "Glass and limestone spheres meet; aluminium, magnesium, aluminium oxide and iron ones hit a rigid plane.",
+        "Hertz: peak overlap (5 m v² / 4 h)^(2/5), peak force h × overlap^(3/2); test 3: restitution 0.2 to "
+        "1, as prescribed.",
+        "Chung and Ooi (2011), Granular Matter 13, 643, tests 1 to 3; the published numbers stand in the table",
+        "0.2 % for test 1 and 2, elastic and of 3000 steps; 0.5 % for test 3, where the dashpot's limit adds "
+        "up to 0.3 %.",
+        ("test1-glass", "force_N"),
+    )
 
     def make(self) -> None:
         for name, (young, poisson, density), published in (
@@ -318,6 +343,14 @@ class Oblique(ProbedCase):
     """Case 3: a sphere meets the fixed wall at 5 to 85 degrees from the normal, 1 m/s."""
 
     name, title = "oblique", "Oblique impact on the wall"
+    account = Account(
+        "A sphere hits the wall at 5 to 85 degrees from the normal, at 1 m/s.",
+        "Normal: restitution as above. Gross sliding: velocity along the wall falls by μ (1 + e) × normal velocity. "
+        "Sticking: integrated.",
+        "Eq. 1 to 7 of the paper, integrated by scipy; like test 5 of Chung and Ooi (2011), on this study's wall",
+        "0.5 % of the incoming velocity: 1000 steps in contact, in which sticking turns into slip within a step.",
+        ("damped-mu0.3", "tangential_velocity_m_s"),
+    )
     ANGLES = (5, 15, 25, 35, 45, 55, 65, 75, 85)
 
     def __init__(self, code: str):
@@ -429,6 +462,16 @@ class NoApproach(ProbedCase):
     """
 
     name, title = "no-approach", "Contacts without approach speed: dashpot at its limit"
+    account = Account(
+        "A sphere sinks onto a held one under gravity, from rest: the dashpot of eq. 15 divides by an "
+        "approach speed of almost 0.",
+        "At rest the weight is the Hertz force: overlap (m g / h)^(2/3). On the way: eq. 8 and 15 with the "
+        "dashpot at its limit.",
+        "Eq. 8, 14 and 15 of the paper; the limit is this project's (PARAMETERS.md); integrated by scipy",
+        "0.5 %: the paper's full time step, 6000 steps, and what is left of the approach to rest.",
+        ("no-approach-overlapping", "overlap_m"),
+        1,
+    )
 
     def __init__(self, code: str):
         scenario = load_scenario("nonlinear-md1-en0.6", variant="paper-step")

@@ -8,7 +8,7 @@ from analysis import laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
-from analysis.verification.cases.base import ProbedCase
+from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.engine_laws import wall_law
 from analysis.verification.probes import Ball, Probe, Trajectory, with_values
 from analysis.verification.results import Results
@@ -30,6 +30,16 @@ class Paths(ProbedCase):
     """Case 2: normal and shear force at every point of the path, in a wall contact and in contacts of two spheres."""
 
     name, title = "path", "Imposed motion: normal and shear force along a path"
+    account = Account(
+        "A sphere is pressed onto another or the wall, slid, reversed, unloaded, reloaded, pulled off and "
+        "pressed on again.",
+        "Normal force eq. 1 or 8; shear force: old force + stiffness × way of the step, cut to μ × elastic "
+        "normal force.",
+        "Eq. 1 to 5 and 8 to 16 of the paper, step by step in Python; YADE's own law where it has no other",
+        "0.01 % in LIGGGHTS, whose arithmetic is the same; 0.5 % in YADE, which turns the shear force to first order.",
+        ("spheres-damped", "shear_force_N"),
+        4,
+    )
 
     def __init__(self, code: str):
         super().__init__(code)

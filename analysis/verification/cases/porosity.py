@@ -8,16 +8,31 @@ import math
 import numpy as np
 
 from analysis.normalised.porosity import porosity, solid, sphere_points
-from analysis.verification.cases.base import OwnCase
+from analysis.verification.cases.base import Account, OwnCase
 from analysis.verification.results import Results
+from analysis.verification.sketch import Disc, Sketch
 
 RADIUS = 0.01
+AROUND_PAIR = 0.025
+"""Radius of the measurement sphere around two spheres, m."""
 
 
 class Porosity(OwnCase):
     """Case 9: needs no engine; beds of both codes are measured by the same function."""
 
     name, title = "porosity", "Porosity in a measurement sphere"
+    account = Account(
+        "Porosity in a measurement sphere is measured in lattices of spheres and in overlapping pairs.",
+        "Simple cubic 1 − π / 6, hexagonal 1 − π / √18; a pair: volume of two spheres less their common part.",
+        "Geometry",
+        "0.5 % and 1 %: the points that sample the sphere scatter by 0.1 %, and its border cuts lattice spheres.",
+    )
+
+    @classmethod
+    def sketch(cls) -> Sketch:
+        """A pair of spheres that overlap, in the measurement sphere around them."""
+        pair = (Disc(0.0, side * RADIUS / 2, RADIUS) for side in (-1, 1))
+        return Sketch((Disc(0.0, 0.0, AROUND_PAIR, hollow=True), *pair))
 
     def judge(self, results: Results) -> None:
         cells = range(-14, 15)
@@ -45,11 +60,11 @@ class Porosity(OwnCase):
             pair = np.array([[0.0, 0.0, -distance / 2], [0.0, 0.0, distance / 2]])
             cap = math.pi * (2 * RADIUS - distance) ** 2 * (distance**2 + 4 * distance * RADIUS) / (12 * distance)
             volume = 8 / 3 * math.pi * RADIUS**3 - cap
-            measured, error = self._measure(pair, 0.025)
+            measured, error = self._measure(pair, AROUND_PAIR)
             results.compare(
                 self.name,
                 f"porosity around two spheres {share:g} r apart",
-                1 - volume / (4 / 3 * math.pi * 0.025**3),
+                1 - volume / (4 / 3 * math.pi * AROUND_PAIR**3),
                 measured,
                 0.005,
                 f"standard error {error:.4f}; the overlap counts once",
