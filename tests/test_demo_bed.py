@@ -150,3 +150,20 @@ def test_the_summary_of_the_demo_tells_settlements_agreement_and_the_full_bed(tm
     assert f"the full bed {1e3 * full:.3g} mm." in lines[0] and "PFC's servo" in lines[1] and "full bed" not in lines[1]
     assert "differ by 0 %, 0 %" in lines[2] and "15 %" in lines[2]
     assert "report/index.html" in lines[3] and "make" in lines[3]
+
+
+def test_the_demo_bed_is_told_beside_the_full_beds_over_their_packings(tmp_path):
+    for seed in (1, 2):
+        write_run(tmp_path, "demo", LINEAR, "liggghts", seed=seed, cycles=3, contacts=False)
+        write_run(tmp_path, "full", LINEAR, "liggghts", seed=seed, cycles=4, noise=0.2, rng=seed, contacts=False)
+    write_run(tmp_path, "full", NONLINEAR, "liggghts", cycles=4, contacts=False)
+    runs = load_runs(tmp_path)
+    rows = demo_outcome.beside_full(find(runs, load_references()).members)
+    assert [(r.scenario, r.reading, r.cycle) for r in rows] == [(LINEAR, "true load", n) for n in (1, 2, 3)]
+    settled = {run.id: run.cycles.set_index("cycle")["settlement_m"] for run in runs}
+    demo, full = ([v.at[2] for name, v in settled.items() if f"{p}/{LINEAR}/" in name] for p in ("demo", "full"))
+    assert sorted(rows[1].demo_m) == sorted(demo) and sorted(rows[1].full_m) == sorted(full)
+    assert rows[1].ratio == pytest.approx(np.mean(demo) / np.mean(full))
+    far = demo_outcome.Beside(LINEAR, "true load", 1, (2.1e-3,), (1e-3, 1e-3), 2e-3, 1e-3)
+    table = demo_outcome.beside_table([rows[0], far])
+    assert not far.alike and table.rows[1][6].text == "no" and table.rows[1][4] == "1 (1 to 1, 2 beds)"

@@ -86,7 +86,7 @@ def state_chip(state: str, within: float, needed: float) -> Chip:
         return Chip(f"agrees within {number(within, 2, 100)} %", "good")
     if state == DIFFERS:
         return Chip("differs", "bad")
-    wanted = f": {plural(int(needed), 'bed')} each would" if math.isfinite(needed) and needed <= 99 else ""
+    wanted = f", needs {plural(int(needed), 'bed')} per code" if math.isfinite(needed) and needed <= 99 else ""
     return Chip(f"cannot tell yet{wanted}", "calm")
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from analysis.comparison.claims.evidence import PAPER
+from analysis.comparison.claims.evidence import HOLDS, PAPER
 from analysis.comparison.findings.agreement import AGREES, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
@@ -140,7 +140,7 @@ def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Number of claims about the paper's models with each verdict, by code and reading: code, reading, verdict, claims,
     numbers.
     """
-    verdicts = _of_the_paper(verdicts)
+    verdicts = of_the_paper(verdicts)
     if verdicts.empty:
         return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "numbers"])
     table = verdicts if "reading" in verdicts else verdicts.assign(reading=READINGS[0])
@@ -148,10 +148,11 @@ def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     grouped = each.groupby(["code", "reading", "verdict"], sort=True)["number"]
     counted = grouped.agg(claims="count", numbers=lambda n: ", ".join(str(v) for v in sorted(n)))
     rank = {reading: n for n, reading in enumerate(READINGS)}
-    return counted.reset_index().sort_values("reading", key=lambda column: column.map(rank), kind="stable")
+    counted = counted.reset_index().sort_values("verdict", key=lambda verdicts: verdicts != HOLDS, kind="stable")
+    return counted.sort_values("reading", key=lambda column: column.map(rank), kind="stable")
 
 
-def _of_the_paper(verdicts: pd.DataFrame) -> pd.DataFrame:
+def of_the_paper(verdicts: pd.DataFrame) -> pd.DataFrame:
     """The verdicts on claims about the paper's own models."""
     return verdicts[verdicts["about"] == PAPER] if "about" in verdicts else verdicts
 
@@ -197,7 +198,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
         "claims": claim_counts(judged).to_dict("records"),
-        "claim_count": _of_the_paper(judged)["number"].nunique(),
+        "claim_count": of_the_paper(judged)["number"].nunique(),
         "agreement_limit": agreement["within_ratio"].max() if len(agreement) else math.nan,
     }
 

@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+import pandas as pd
+
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SAME_BED_VARIANT, Member
 from analysis.comparison.quantities import last_cycle
@@ -13,11 +16,15 @@ from analysis.formats.quantities import CODES
 from analysis.report.answer import only
 from analysis.report.labels import READING_NAMES, short_name
 from analysis.report.sentences import lines
-from analysis.report.tables import Column, Table, number, quantity_name
+from analysis.report.tables import Chip, Column, Table, number, quantity_name
 
 PROFILE = "demo"
 AIM_RATIO = 0.15
 """Assumed: two codes that load one bed by the same equations settle alike to within this share of their mean."""
+
+PLATES = [f"lateral_{k}_m" for k in range(1, 6)]
+ALIKE_FACTOR = 2.0
+"""Assumed: so near to the full bed's settlement the demo bed's is meant to be."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,86 @@ class Outcome:
             return math.nan
         one, other = self.settlement_m["liggghts"], self.settlement_m["yade"]
         return 2 * (one - other) / (one + other) if one + other else math.nan
+
+
+@dataclass(frozen=True)
+class Beside:
+    """LIGGGHTS on the demo bed and on the full bed after one cycle: settlement (m) of each packed bed."""
+
+    scenario: str
+    reading: str
+    cycle: int
+    demo_m: tuple[float, ...]
+    full_m: tuple[float, ...]
+    demo_plates_m: float
+    """Mean way of the five plates outward, over the packed beds."""
+    full_plates_m: float
+
+    @property
+    def ratio(self) -> float:
+        """Mean of the demo beds over that of the full beds."""
+        return (sum(self.demo_m) / len(self.demo_m)) / (sum(self.full_m) / len(self.full_m))
+
+    @property
+    def alike(self) -> bool:
+        """Within the aim: neither more than `ALIKE_FACTOR` times the full bed's nor less than its inverse."""
+        return 1 / ALIKE_FACTOR <= self.ratio <= ALIKE_FACTOR
+
+
+def beside_full(members: Iterable[Member]) -> list[Beside]:
+    """Each cycle of the demo that full beds have reached too, by scenario and reading."""
+    runs: dict[tuple[str, str], dict[str, list[pd.DataFrame]]] = {}
+    for m in members:
+        if m.plain and m.run.code == "liggghts" and len(m.run.cycles):
+            profiles = runs.setdefault((m.scenario, m.reading), {})
+            profiles.setdefault(m.run.profile, []).append(m.run.cycles.set_index("cycle"))
+    made = []
+    for (scenario, reading), profiles in runs.items():
+        demo, full = profiles.get(PROFILE, []), profiles.get("full", [])
+        for cycle in sorted({n for table in demo for n in table.index} & {n for table in full for n in table.index}):
+            beds = [[table.loc[cycle] for table in tables if cycle in table.index] for tables in (demo, full)]
+            settled = (tuple(float(row["settlement_m"]) for row in rows) for rows in beds)
+            plates = (float(np.mean([row[PLATES] for row in rows])) for rows in beds)
+            made.append(Beside(scenario, reading, int(cycle), *settled, *plates))
+    return made
+
+
+def beside_table(rows: Iterable[Beside]) -> Table | None:
+    """How the demo bed settles beside the full one, over the packed beds of both."""
+    label, factor, unit = quantity_name("settlement_m", "m")
+    table = Table(
+        f"The demo bed beside the full bed, LIGGGHTS: {label.partition(',')[0]}",
+        [
+            Column("scenario"),
+            Column("load"),
+            Column("cycle", True),
+            Column(f"demo bed, {unit}", True),
+            Column(f"full bed, {unit}", True),
+            Column("demo over full", True),
+            Column(f"within a factor of {ALIKE_FACTOR:g}"),
+            Column(f"plates outward, demo, {unit}", True),
+            Column(f"full, {unit}", True),
+        ],
+    )
+    for r in rows:
+        seen = Chip("yes", "good") if r.alike else Chip("no", "bad")
+        beds = (_over_beds(values, factor) for values in (r.demo_m, r.full_m))
+        table.rows.append(
+            [short_name(r.scenario), READING_NAMES[r.reading], str(r.cycle), *beds, number(r.ratio, 3), seen]
+            + [number(plates, 2, factor) for plates in (r.demo_plates_m, r.full_plates_m)]
+        )
+    table.note = (
+        "Mean over packed beds and, in brackets, the least and the most of them; the ratio is of the means. "
+        "make demo SEED=2 adds another packed bed of the demo."
+    )
+    return table if table.rows else None
+
+
+def _over_beds(values: tuple[float, ...], factor: float) -> str:
+    mean = number(sum(values) / len(values), 3, factor)
+    if len(values) == 1:
+        return f"{mean} (1 bed)"
+    return f"{mean} ({number(min(values), 3, factor)} to {number(max(values), 3, factor)}, {len(values)} beds)"
 
 
 def of_the_demo(members: Iterable[Member]) -> list[Member]:

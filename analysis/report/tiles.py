@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
-from analysis.report.answer import only, states
+from analysis.report.answer import of_the_paper, only, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables import number
@@ -28,13 +28,15 @@ def tiles(data: ReportData, profile: str) -> list[Tile]:
 
 
 def _claims(data: ReportData) -> Tile | None:
-    verdicts = data.findings.verdicts
+    verdicts = of_the_paper(data.findings.verdicts)
     if verdicts.empty:
         return None
     each = verdicts.drop_duplicates(["number", "code", *(["reading"] if "reading" in verdicts else [])])
     decided = each[each["verdict"].isin(["holds", "does not hold"])]["number"].nunique()
     return Tile(
-        f"{decided} of {each['number'].nunique()}", "of the paper's claims decided in a code and reading", "claims.html"
+        f"{decided} of {each['number'].nunique()}",
+        "of the paper's claims decided, in at least one code and load",
+        "claims.html",
     )
 
 
@@ -66,7 +68,7 @@ def _influence(data: ReportData, profile: str) -> Tile | None:
     largest = rows.loc[rows["change_ratio"].abs().idxmax()]
     return Tile(
         f"{100 * largest['change_ratio']:+.0f} %".replace("-", "−"),
-        f"settlement by {variant_name(largest['variant'])}, the largest of {rows['variant'].nunique()} influences",
+        f"change of settlement by {variant_name(largest['variant'])}, the largest of what was varied",
         "influence.html",
     )
 

@@ -145,7 +145,7 @@ def both_readings_figure(
         found = [m for m in members if m.scenario == scenario]
         if not found:
             continue
-        c = style.canvas(f"{name}-{scenario}", _alt(found, scenario), width=4.5, height=3.1)
+        c = style.canvas(f"{name}-{scenario}", _alt(found, scenario))
         curves_here = []
         for reading in READINGS:
             for curve in g.curves(m.run for m in found if m.reading == reading):
@@ -166,7 +166,8 @@ def both_readings_figure(
         drawn.append(c)
         used += curves_here
     runs = [run for curve in used for run in curve.runs]
-    return g.finish(name, title, f"{caption} {time_steps(runs)}".strip(), drawn, runs, used)
+    steps = " Runs differ in their time step (page Time step)." if time_steps(runs) else ""
+    return g.finish(name, title, caption + steps, drawn, runs, used)
 
 
 def _finish_panel(c: Canvas, curves: list, title: str) -> None:

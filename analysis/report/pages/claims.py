@@ -19,7 +19,6 @@ def claims_page(data: ReportData) -> dict:
     for v in data.verdicts:
         grouped.setdefault(v.claim.number, []).append(v)
     return {
-        "summary": summary(grouped),
         "claims": [card(n, found) for n, found in sorted(grouped.items()) if found[0].claim.about == evidence.PAPER],
         "others": [card(n, found) for n, found in sorted(grouped.items()) if found[0].claim.about != evidence.PAPER],
         "readings": readings_table(data.verdicts),
@@ -36,14 +35,16 @@ def chip_of(verdict: str) -> Chip:
     return Chip(verdict, VERDICT_KIND.get(verdict, "calm"))
 
 
-def summary(grouped: dict[int, list]) -> Table:
-    """A row per claim, a column per code and reading."""
-    columns = list(dict.fromkeys(where_of(v) for found in grouped.values() for v in found))
-    table = Table("Verdicts", [Column("claim"), *(Column(name) for name in columns)])
-    for n, found in sorted(grouped.items()):
-        by_place = {where_of(v): chip_of(v.verdict) for v in found}
-        table.rows.append([f"{n}. {symbols(found[0].claim.sentence)}", *(by_place.get(name, "–") for name in columns)])
-    return table
+def verdicts_of(found: list) -> list[tuple[Chip, str]]:
+    """Each verdict with the codes and readings that have it, what is decided first."""
+    places: dict[str, list[str]] = {}
+    for v in sorted(found, key=lambda v: v.verdict not in VERDICT_KIND):
+        places.setdefault(v.verdict, []).append(where_of(v))
+    everywhere = len(places) == 1 and len(found) == len(CODE_NAMES) * len(READING_NAMES)
+    return [
+        (chip_of(verdict), "in both codes, under either load" if everywhere else "; ".join(where))
+        for verdict, where in places.items()
+    ]
 
 
 def readings_table(found: list) -> Table | None:
@@ -87,7 +88,7 @@ def card(number: int, found: list) -> dict:
     return {
         "id": number,
         "title": claim.sentence,
-        "verdicts": [(where_of(v), chip_of(v.verdict)) for v in found],
+        "verdicts": verdicts_of(found),
         "criterion": f"{claim.where}. {claim.quantity} {claim.criterion}",
         "because": [
             labelled(line) for line in dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from analysis.formats.quantities import SPHERES
 from analysis.report.agreement_tables import agreement_table
 from analysis.report.answer import answer, only
-from analysis.report.demo_outcome import PROFILE, of_the_demo, outcome_table, outcomes
+from analysis.report.demo_outcome import PROFILE, beside_full, beside_table, of_the_demo, outcome_table, outcomes
 from analysis.report.figures.beds import bed_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import tracking_figure
@@ -51,6 +51,7 @@ def demo_page(data: ReportData) -> dict | None:
             ),
         ],
         "outcomes": outcome_table(outcomes(data.findings)),
+        "beside": beside_table(beside_full(data.findings.members)),
         "agreement": agreement_table(only(data.findings.agreement, profile=PROFILE)),
         "runs_table": runs_table(runs),
     }
