@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import os
 import random
 import shutil
 from pathlib import Path
@@ -11,21 +12,28 @@ import pytest
 from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
-from analysis.driver import checkpoints, status
+from analysis.comparison.claims.verdicts import ClaimError, load_claims
+from analysis.driver import calibrate, checkpoints, status
+from analysis.driver.unload import add_row
 from analysis.files import PUBLISHED, ROOT
 from analysis.formats import bed_file, file_columns, table_file
 from analysis.formats.errors import InputError
 from analysis.formats.quantities import QUANTITIES
 from analysis.formats.run_record import RunRecord
-from analysis.normalised import beds, microstructure, stages
+from analysis.normalised import beds, bonds, microstructure, stages
 from analysis.normalised.frames import read_table
-from analysis.reference.curves import load_references
-from analysis.scenarios import cost, derived
+from analysis.reference.ballast_stiffness import ballast_stiffness
+from analysis.reference.curves import ReferenceError, load_references
+from analysis.reference.settlement_laws import settlement_laws
+from analysis.reference.settlement_shapes import settlement_shapes
+from analysis.scenarios import cost, derived, study
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
 from analysis.verification.impact_file import read_impacts
 
 MUTATIONS = 300
+SEED = os.environ.get("FUZZ_SEED", "")
+"""Another one tries other damages: FUZZ_SEED=2 python -m pytest tests/test_fuzz.py"""
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +50,7 @@ def fuzz(path, kinds, read, check=lambda found: None, seed="", mutations=MUTATIO
     good, refused = path.read_bytes(), 0
     listed = sorted(path.parent.rglob("*"))
     for case in range(mutations):
-        content = damaged(good, random.Random(f"{path.name} {seed} {case}"), kinds)
+        content = damaged(good, random.Random(f"{path.name} {seed} {SEED} {case}"), kinds)
         path.write_bytes(content)
         try:
             found = read(path)
@@ -80,6 +88,77 @@ def test_tables(run, name):
 def test_contacts(run):
     path = run / "raw" / "contacts_preloaded.csv"
     assert fuzz(path, OF_TABLES, microstructure.read_contacts, check_columns(file_columns.CONTACTS)) > MUTATIONS / 2
+
+
+TABLES_OF_KEPT_RUNS = {
+    "harmonics.csv": (file_columns.HARMONICS, True),
+    "loops.csv": (file_columns.LOOPS, False),
+    "unload.csv": (file_columns.UNLOAD, False),
+}
+
+
+@pytest.mark.parametrize("name", TABLES_OF_KEPT_RUNS)
+def test_tables_of_kept_runs(tmp_path, name):
+    (source, *_) = sorted((ROOT / "reference_data" / "runs" / "full").glob(f"*/liggghts*/{name}"))
+    shutil.copy(source, tmp_path)
+    columns, whole = TABLES_OF_KEPT_RUNS[name]
+    found = fuzz(tmp_path / name, OF_TABLES, lambda path: read_table(path, columns, whole), check_columns(columns))
+    assert found > MUTATIONS / 2
+
+
+def test_unloading_adds_to_a_table_or_refuses_a_damaged_one_and_leaves_it(tmp_path):
+    (source, *_) = sorted((ROOT / "reference_data" / "runs" / "full").glob("*/liggghts*/unload.csv"))
+    path, row = tmp_path / "unload.csv", dict.fromkeys(file_columns.UNLOAD, 0.5) | {"cycle": 7}
+    good, refused = source.read_bytes(), 0
+    for case in range(MUTATIONS):
+        content = damaged(good, random.Random(f"unload {SEED} {case}"), OF_TABLES)
+        path.write_bytes(content)
+        try:
+            add_row(path, row)
+        except InputError as error:
+            refused += 1
+            assert str(error).startswith("unload.csv: ") and path.read_bytes() == content, case
+        else:
+            check_columns(file_columns.UNLOAD)(read_table(path, file_columns.UNLOAD, False))
+    assert refused > MUTATIONS / 2
+
+
+def check_bonds(rows):
+    assert all((row["mode"] in ("tension", "shear")) == (row["broken"] == "1") for row in rows)
+    assert all(row["broken"] == "0" or int(row["step"]) >= 0 for row in rows)
+
+
+def test_bonds(tmp_path):
+    """The list of an engine, the counts by cycle, and the list of broken bonds."""
+    holds, broke = "{0},{1},0.1,0.2,0.3,0,-1,,5.0,6.0\n", "{0},{1},0.4,0.5,0.6,1,{2},{3},0,0\n"
+    rows = [holds.format(k, k + 1) for k in range(1, 8)]
+    rows += [broke.format(k, k + 1, 900 * k, ("tension", "shear")[k % 2]) for k in range(8, 15)]
+    raw = tmp_path / "bonds_cycle_000003.csv"
+    raw.write_text(file_columns.header(file_columns.BONDS) + "".join(rows))
+    assert fuzz(raw, OF_TABLES, bonds.read_list, check_bonds) > MUTATIONS / 2
+    counts = tmp_path / bonds.COUNTS
+    counts.write_text(
+        file_columns.header(file_columns.BOND_COUNTS) + "".join(f"{k},{90 - 2 * k},{k},{k}\n" for k in range(9))
+    )
+    columns = file_columns.BOND_COUNTS
+    assert fuzz(counts, OF_TABLES, lambda path: read_table(path, columns), check_columns(columns)) > MUTATIONS / 2
+    broken = tmp_path / bonds.BROKEN
+    broken.write_text(
+        file_columns.header(file_columns.BONDS_BROKEN) + "".join(f"{k},0.1,0.2,0.3,tension\n" for k in range(9))
+    )
+    assert fuzz(broken, OF_TABLES, bonds.read_broken) > MUTATIONS / 2
+
+
+def test_calibration_table(tmp_path):
+    shutil.copy(ROOT / "reference_data" / "runs" / "calibration.csv", tmp_path)
+
+    def read(path):
+        try:
+            return calibrate.read_table(path)
+        except ValueError as error:
+            raise InputError(str(error)) from None
+
+    assert fuzz(tmp_path / "calibration.csv", OF_TABLES, read) > MUTATIONS / 3
 
 
 def check_bed(bed):
@@ -137,7 +216,7 @@ def test_checkpoint_sidecars(run):
     checkpoint.certify(derived.time_grid(grid))
     good, before = checkpoint.sidecar.read_bytes(), path.read_bytes()
     for case in range(MUTATIONS):
-        content = damaged(good, random.Random(f"sidecar {case}"), OF_TEXTS)
+        content = damaged(good, random.Random(f"sidecar {SEED} {case}"), OF_TEXTS)
         checkpoint.sidecar.write_bytes(content)
         said = []
         found = checkpoints.last_good(run / "checkpoints", 10, said.append)
@@ -171,6 +250,41 @@ def test_impact_files(tmp_path):
         path = tmp_path / Path(name).name
         shutil.copy(ROOT / "docs" / "examples" / name, path)
         assert fuzz(path, OF_TEXTS, lambda path: read_impacts(path).impacts[0].probe()) > MUTATIONS / 5
+
+
+OF_THE_LITERATURE = {
+    "settlement_laws/laws.toml": settlement_laws,
+    "settlement_shapes/shapes.toml": settlement_shapes,
+    "ballast_stiffness/stiffness.toml": ballast_stiffness,
+}
+
+
+@pytest.mark.parametrize("name", OF_THE_LITERATURE)
+def test_published_references(tmp_path, name):
+    """Laws, shapes and stiffnesses; and a claims file, with the same promise."""
+    folder = shutil.copytree(ROOT / "reference_data" / "published", tmp_path / "published")
+    read = OF_THE_LITERATURE[name]
+    assert fuzz(folder / name, OF_TEXTS, lambda path: as_input(read, folder)) > MUTATIONS / 3
+
+
+def test_claims_file(tmp_path):
+    shutil.copy(ROOT / "reference_data" / "claims.toml", tmp_path)
+    assert fuzz(tmp_path / "claims.toml", OF_TEXTS, lambda path: as_input(load_claims, path)) > MUTATIONS / 3
+
+
+def as_input(read, *arguments):
+    """Errors of references and claims as those of other input: one line is promised of them too."""
+    try:
+        return read(*arguments)
+    except (ReferenceError, ClaimError) as error:
+        raise InputError(str(error)) if len(str(error).splitlines()) == 1 else AssertionError(str(error)) from None
+
+
+def test_the_list_of_the_study(tmp_path):
+    """The part of a scenario file that `make study` reads; the file is read once per damage, which takes its time."""
+    path = tmp_path / "scenarios.toml"
+    shutil.copy(ROOT / "scenarios.toml", path)
+    assert fuzz(path, OF_TEXTS, study.rows, mutations=MUTATIONS // 3) > MUTATIONS / 12
 
 
 SIDECAR = """
@@ -225,7 +339,7 @@ def test_reference_sidecars_and_curves(tmp_path, file, name):
     good, refused = path.read_bytes(), 0
     kinds = OF_TABLES if name.endswith(".csv") else OF_TEXTS
     for case in range(MUTATIONS):
-        path.write_bytes(damaged(good, random.Random(f"{name} {case}"), kinds))
+        path.write_bytes(damaged(good, random.Random(f"{name} {SEED} {case}"), kinds))
         found = load_references(tmp_path)
         refused += bool(found.problems)
         assert all(line.isprintable() and len(line) < 700 for line in found.problems), (case, found.problems)

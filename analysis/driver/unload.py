@@ -7,7 +7,6 @@ run has reached: run 1 cycle, unload, run on to 10, unload, and so on.
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import tempfile
 from pathlib import Path
@@ -18,11 +17,12 @@ from analysis.driver.checkpoints import listed
 from analysis.driver.engines import ENGINES
 from analysis.driver.process import EngineProcess
 from analysis.files import write_aside, write_csv
+from analysis.formats import table_file
 from analysis.formats.file_columns import RAW_LOADING, UNLOAD
+from analysis.normalised.readers import UNLOADED
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
-FILE = "unload.csv"
 RAMP_TIME_S, REST_TIME_S = 0.2, 0.1
 """Four periods of the load, so that the servo follows, and two more for the bed to come to rest."""
 MEAN_OF = 16
@@ -61,26 +61,37 @@ def unload(folder: Path, code: str, seed: int) -> dict[str, float]:
             raise UnloadError(f"{folder}: unloading failed: {errors[0] if errors else 'no end after an hour'}")
         rows = _loading_rows(copy / "raw" / "unload.csv")
     loading = _loading_rows(folder / "raw" / "cyclic.csv", last.step(grid))
-    before, zero = loading[-1], float(loading[0]["sleeper_displacement_m"])
+    before, zero = loading[-1], loading[0]["sleeper_displacement_m"]
     return {
         "cycle": last.cycle,
-        "stress_before_Pa": float(before["sleeper_stress_mean_Pa"]),
-        "settlement_before_m": float(before["sleeper_displacement_m"]) - zero,
+        "stress_before_Pa": before["sleeper_stress_mean_Pa"],
+        "settlement_before_m": before["sleeper_displacement_m"] - zero,
         "stress_after_Pa": _mean(rows[-MEAN_OF:], "sleeper_stress_mean_Pa"),
         "settlement_after_m": _mean(rows[-MEAN_OF:], "sleeper_displacement_m") - zero,
     }
 
 
-def _mean(rows: list[dict[str, str]], column: str) -> float:
-    return sum(float(row[column]) for row in rows) / len(rows)
+def add_row(path: Path, row: dict[str, float]) -> None:
+    """Put a row of columns UNLOAD into a table, in place of one of the same cycle; InputError where it is damaged."""
+    rows = {old["cycle"]: old for old in _rows(path, UNLOAD, False)} if path.exists() else {}
+    rows[row["cycle"]] = row
+    write_csv(path, [UNLOAD, *([int(n), *(rows[n][key] for key in UNLOAD[1:])] for n in sorted(rows))])
 
 
-def _loading_rows(path: Path, until: int | None = None) -> list[dict[str, str]]:
-    with open(path, newline="") as file:
-        rows = [row for row in csv.DictReader(file) if None not in row.values()]
-    if not rows or tuple(rows[0]) != RAW_LOADING:
+def _rows(path: Path, columns: tuple[str, ...], whole: bool | None) -> list[dict[str, float]]:
+    table = table_file.read(path, columns, whole)
+    return [dict(zip(columns, values, strict=True)) for values in zip(*table.values(), strict=True)]
+
+
+def _mean(rows: list[dict[str, float]], column: str) -> float:
+    return sum(row[column] for row in rows) / len(rows)
+
+
+def _loading_rows(path: Path, until: int | None = None) -> list[dict[str, float]]:
+    found = [row for row in _rows(path, RAW_LOADING, None) if until is None or row["step"] <= until]
+    if not found:
         raise UnloadError(f"{path}: holds no rows of loads; run the scenario again")
-    return [row for row in rows if until is None or int(row["step"]) <= until]
+    return found
 
 
 def add_arguments(parser: Parser) -> None:
@@ -92,16 +103,13 @@ def execute(chosen: argparse.Namespace) -> int:
     """`ballast unload`."""
     folder = options.folder(chosen)
     try:
+        if (folder / UNLOADED).exists():
+            table_file.read(folder / UNLOADED, UNLOAD, False)  # before the work of an hour
         row = unload(folder, chosen.code, chosen.seed)
+        add_row(folder / UNLOADED, row)
     except (ValueError, OSError) as error:
         print(f"unload: {error}", file=sys.stderr)
         return 1
-    path, known = folder / FILE, {}
-    if path.exists():
-        with open(path, newline="") as file:
-            known = {int(old["cycle"]): old for old in csv.DictReader(file)}
-    known[row["cycle"]] = row
-    write_csv(path, [UNLOAD, *([known[n][key] for key in UNLOAD] for n in sorted(known))])
     deep, back = row["settlement_before_m"], row["settlement_before_m"] - row["settlement_after_m"]
     print(
         f"{folder}: after cycle {row['cycle']} {deep * 1e3:.3f} mm at {row['stress_before_Pa'] / 1e3:.0f} kPa, "

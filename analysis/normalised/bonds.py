@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import files
-from analysis.formats import file_columns
+from analysis.formats import file_columns, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.growing_csv import GrowingCsv
 from analysis.laws_bond import SHEAR, TENSION
@@ -33,7 +33,7 @@ def write(folder: Path, scenario, done: int) -> None:
     present = [path for path in lists if path.exists()]
     if derived.bond(scenario) is None or not present:
         return
-    rows = _read(present[-1])
+    rows = read_list(present[-1])
     preload = max(
         (int(row["step"]) for row in GrowingCsv(raw / "state.csv").new_rows() if row["stage"] == "preload"), default=0
     )
@@ -56,7 +56,7 @@ def read_broken(path: Path) -> pd.DataFrame:
     """bonds_broken.csv, see `file_columns.BONDS_BROKEN`; InputError where it is damaged."""
     try:
         frame = pd.read_csv(path, dtype={"mode": str}, encoding="ascii")
-    except (ValueError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+    except (OSError, ValueError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
         raise InputError(path.name, allowed=f"{one_line(error)}; restore it from raw/") from None
     if tuple(frame) != file_columns.BONDS_BROKEN:
         raise InputError(path.name, "line 1:", allowed=f"expected {','.join(file_columns.BONDS_BROKEN)}")
@@ -68,12 +68,28 @@ def read_broken(path: Path) -> pd.DataFrame:
     return numbers.assign(mode=frame["mode"]).astype({"cycle": "int64"})
 
 
-def _read(path: Path) -> list[dict[str, str]]:
-    with open(path, newline="", encoding="ascii") as file:
-        reader = csv.DictReader(file)
+def read_list(path: Path) -> list[dict[str, str]]:
+    """The bonds that an engine listed, cells as they stand there, see `file_columns.BONDS`.
+
+    InputError where the list is damaged.
+    """
+    try:
+        table_file.read(path, [name for name in file_columns.BONDS if name not in ("step", "mode")], None)
+        with open(path, newline="", encoding="ascii") as file:
+            reader = csv.DictReader(file.read().rpartition("\n")[0].split("\n"))
+            rows = list(reader)
         if tuple(reader.fieldnames or ()) != file_columns.BONDS:
-            raise InputError(f"raw/{path.name}", "line 1:", allowed=f"expected {','.join(file_columns.BONDS)}")
-        return list(reader)
+            raise InputError(path.name, "line 1:", allowed=f"expected {','.join(file_columns.BONDS)}")
+        for number, row in enumerate(rows, start=2):
+            holds = (row["broken"], row["step"], row["mode"]) == ("0", "-1", "")
+            broke = row["broken"] == "1" and row["step"].isdecimal() and row["mode"] in (TENSION, SHEAR)
+            if not (holds or broke) or len(row["step"]) > 15:
+                raise InputError(
+                    path.name, f"line {number}:", allowed="expected 0,-1, for a bond that holds, else 1, a step and how"
+                )
+    except InputError as error:
+        raise InputError(f"raw/{error}") from None
+    return rows
 
 
 def _write(path: Path, columns: tuple[str, ...], rows) -> None:

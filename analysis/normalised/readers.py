@@ -25,6 +25,8 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_s
 from analysis.scenarios.schema import KEYS
 
 IDENTITY = ("profile", "scenario", "code", "seed")
+UNLOADED = "unload.csv"
+"""What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`)."""
 TRIALS = CALIBRATION, TIMESTEP = "calibration", "timestep"
 """Folders of results whose runs have a scenario's name but not its parameters."""
 """Folder of the beds that `make calibrate` tries."""
@@ -179,6 +181,13 @@ class Run:
         rows = self.history[list(file_columns.LOOPS)]
         last = math.floor(rows["cycle"].max() + 1e-9) if len(rows) else 0
         return rows[(rows["cycle"] <= 1 + 1e-9) | rows["cycle"].between(last - 1 - 1e-9, last + 1e-9)]
+
+    @cached_property
+    def unloaded(self) -> pd.DataFrame:
+        """One row per cycle after which a copy was unloaded, see `file_columns.UNLOAD`; no rows where none was."""
+        if not (self.folder / UNLOADED).exists():
+            return empty_table(file_columns.UNLOAD)
+        return self._table(UNLOADED, file_columns.UNLOAD, whole=False)
 
     @cached_property
     def stages(self) -> stages.Stages:

@@ -18,7 +18,6 @@ import pandas as pd
 
 from analysis.comparison.findings.members import SERVO, Member
 from analysis.comparison.quantities import last_cycle
-from analysis.formats.file_columns import UNLOAD
 from analysis.scenarios import derived
 
 HARMONICS = (("stress_amplitude_Pa", "stress_lag_rad"), ("settlement_amplitude_m", "settlement_lag_rad"))
@@ -61,9 +60,6 @@ ELASTIC_COLUMNS = (
     "elastic_m",
     "permanent_m",
 )
-
-UNLOAD_FILE = "unload.csv"
-"""What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`): columns UNLOAD."""
 
 
 def transfer(omega: float, time_constant: complex) -> complex:
@@ -151,7 +147,7 @@ def elastic_table(found: Iterable[Member]) -> pd.DataFrame:
     for m in found:
         if m.run.scenario is None:
             continue
-        for cycle, row in read_unload(m).iterrows():
+        for cycle, row in m.run.unloaded.set_index("cycle").iterrows():
             rows.append(
                 {
                     "run": m.run.id,
@@ -166,17 +162,3 @@ def elastic_table(found: Iterable[Member]) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows, columns=ELASTIC_COLUMNS)
-
-
-def read_unload(m: Member) -> pd.DataFrame:
-    """unload.csv of a run by cycle; no rows without one. Raises ValueError naming the file where a column is
-    missing.
-    """
-    path = m.run.folder / UNLOAD_FILE
-    if not path.exists():
-        return pd.DataFrame(columns=UNLOAD[1:])
-    table = pd.read_csv(path)
-    missing = [name for name in UNLOAD if name not in table]
-    if missing:
-        raise ValueError(f"{m.run.id}/{UNLOAD_FILE}: column {missing[0]} is missing; it has {','.join(UNLOAD)}")
-    return table.set_index("cycle")
