@@ -402,6 +402,13 @@ def test_times_from_different_machines_are_not_compared():
     assert verdict.verdict == OPEN and verdict.missing == ("both models on one machine, same ranks and threads",)
 
 
+def test_computing_time_is_that_of_the_fastest_run_of_a_model():
+    slowed = seeds("nonlinear-en1.0", 3, speed=50)  # beside other work: alone it would be claimed slower than linear
+    fast = [make_run("nonlinear-en1.0", 4)]
+    verdict = judge(11, slowed + fast + seeds("linear-mu0.8", 2))
+    assert verdict.verdict == HOLDS and "full/nonlinear-en1.0/liggghts-seed4" in verdict.runs
+
+
 def test_verdicts_become_a_table_with_a_row_per_check():
     verdicts = evaluate_claims(CASES[11][0][0], NOTHING)
     table = to_frame(verdicts)

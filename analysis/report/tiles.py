@@ -78,7 +78,7 @@ def _cost(data: ReportData, profile: str) -> Tile | None:
     rows = rows[rows["variant"] == ""]
     if rows.empty or rows["scenario"].nunique() < 2:
         return None
-    hours = rows.groupby("scenario")["hours_per_1000_cycles"].median()
+    hours = rows.groupby("scenario")["hours_per_1000_cycles"].min()
     low, high = number(hours.min(), 2), number(hours.max(), 2)
     return Tile(f"{low} to {high} h", "for 1000 cycles in LIGGGHTS on one core", "comparison.html#computing-time")
 

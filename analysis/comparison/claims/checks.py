@@ -265,6 +265,9 @@ def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
     shared = sorted(machines[LINEAR] & machines[NONLINEAR])
     best = max(shared, key=lambda machine: sum(_machine(m.run) == machine for m in timed), default=None)
     members = [m for m in timed if best in (None, _machine(m.run))]
+    # other work on the machine can only slow a run: the fastest one is nearest to what a cycle costs
+    fastest = {m.scenario: m for m in sorted(members, key=lambda m: -seconds_per_cycle(m.run))}
+    members = list(fastest.values())
     time = e.measure("computing time per cycle", seconds_per_cycle, 1, stated="computing_time", members=members)
     if all(machines.values()) and not shared:
         time[LINEAR] = Measured(time[LINEAR].name, missing=("both models on one machine, same ranks and threads",))
