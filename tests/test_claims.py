@@ -461,6 +461,12 @@ def test_computing_time_is_steps_per_cycle_over_steps_per_second():
     assert seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 400
 
 
+def test_processor_time_goes_before_wall_time():
+    run = make_run("nonlinear-en1.0", speed=400.0)  # per second of wall time, beside other work
+    run.info |= {"cpu_s": {"preload": 1.0, "cyclic": 2.0}, "cpu_steps": {"preload": 500, "cyclic": 2000}}
+    assert seconds_per_cycle(run) == derived.time_grid(run.scenario).steps_per_cycle / 1000
+
+
 def test_scatter_is_lent_to_scenarios_with_one_seed_and_pooled_only_over_those_that_can_scatter():
     groups = {"a": [9.0, 11.0], "b": [90.0, 110.0], "zeros": [0.0, 0.0, 0.0], "c": [50.0]}
     found = estimates({"c": [50.0]}, {"c": groups}, relative=True)

@@ -77,6 +77,14 @@ def test_a_run_ends_with_all_rows_and_says_so(undisturbed):
     assert_no_gap(undisturbed)
 
 
+def test_processor_time_is_recorded_beside_wall_time(undisturbed):
+    timing = read_record(undisturbed)["timing"]
+    steps = read_record(undisturbed)["steps"]
+    assert set(timing["cpu_s"]) <= set(steps), "stages whose engine took no measurable time may lack"
+    assert all(timing["cpu_steps"][stage] == steps[stage] and timing["cpu_s"][stage] > 0 for stage in timing["cpu_s"])
+    assert "cyclic" in timing["cpu_s"]
+
+
 def test_a_finished_run_is_left_alone(finished):
     results, folder = finished
     before = (folder / "run.json").read_bytes()

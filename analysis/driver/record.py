@@ -51,6 +51,8 @@ class Record:
                 start=timing.start if timing else now(),
                 steps_per_second=timing.steps_per_second if timing else {},
                 wall_s=timing.wall_s if timing else {},
+                cpu_s=timing.cpu_s if timing else {},
+                cpu_steps=timing.cpu_steps if timing else {},
                 pid=os.getpid(),
                 host=socket.gethostname(),
                 heartbeat=now(),

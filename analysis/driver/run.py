@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import functools
+import resource
 import signal
 import sys
 import time
@@ -260,6 +261,7 @@ class Run:
         self.record.begin_part(stage, *((start.cycle, start.block) if start else ()))
         self.record.save(stage=stage)
         began, wall_before = time.monotonic(), body.timing.wall_s.get(stage, 0.0)
+        cpu_before, steps_before = engine_cpu_s(), start.step(self.grid) if start else 0
 
         def heartbeat(stage: str, steps: int, clumps: int | None, steps_per_second: float) -> None:
             body.timing.wall_s[stage] = round(wall_before + time.monotonic() - began, 1)
@@ -279,12 +281,21 @@ class Run:
             normaliser=self.normaliser if stage == "cyclic" else None,
             start=start,
         )
-        supervisor.supervise(
-            engine_command(self.engine, stage, self.settings, start.path if start else None),
-            threads=self.engine.parallel(self.settings.ranks)["threads"],
-        )
+        try:
+            supervisor.supervise(
+                engine_command(self.engine, stage, self.settings, start.path if start else None),
+                threads=self.engine.parallel(self.settings.ranks)["threads"],
+            )
+        finally:
+            body.timing.add_cpu(stage, engine_cpu_s() - cpu_before, body.steps.get(stage, 0) - steps_before)
         if stage != "cyclic":
             self.progress.say(f"{stage} done in {duration(time.monotonic() - began)}, {supervisor.clumps()} clumps")
+
+
+def engine_cpu_s() -> float:
+    """Processor time of all engines that this process has started and waited for, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def engine_command(engine: Engine, stage: str, settings: RunSettings, checkpoint=None) -> list[str]:

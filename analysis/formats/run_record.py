@@ -23,15 +23,27 @@ REMEDY = "restore the file, or move the run away and run it again"
 
 @dataclass(kw_only=True)
 class Timing:
-    """What differs between equal runs: times (ISO 8601, UTC), speeds in steps/s and wall time in s by stage."""
+    """What differs between equal runs: times (ISO 8601, UTC), speeds in steps/s and wall time in s by stage.
+
+    cpu_s, cpu_steps   processor time of the engine in s, and the steps that it made in that time, by stage; of those
+                       parts of a run at whose end the driver was there
+    """
 
     start: str
     end: str | None = None
     steps_per_second: dict[str, float] = field(default_factory=dict)
     wall_s: dict[str, float] = field(default_factory=dict)
+    cpu_s: dict[str, float] = field(default_factory=dict)
+    cpu_steps: dict[str, int] = field(default_factory=dict)
     pid: int
     host: str
     heartbeat: str
+
+    def add_cpu(self, stage: str, seconds: float, steps: int) -> None:
+        """Count a part of `stage` that has ended."""
+        if steps > 0 and seconds > 0:
+            self.cpu_s[stage] = round(self.cpu_s.get(stage, 0.0) + seconds, 1)
+            self.cpu_steps[stage] = self.cpu_steps.get(stage, 0) + steps
 
 
 @dataclass(kw_only=True)

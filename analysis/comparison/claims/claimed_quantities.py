@@ -74,10 +74,9 @@ def run_slope(run, first: int, last: int) -> float:
 
 def seconds_per_cycle(run) -> float:
     """Computing time of one cycle of loading, s."""
-    speed = run.info.get("steps_per_second", {}).get("cyclic")
-    if run.scenario is None or not isinstance(speed, (int, float)) or not speed > 0:
+    if run.scenario is None:
         return math.nan
-    return derived.time_grid(run.scenario).steps_per_cycle / speed
+    return derived.time_grid(run.scenario).steps_per_cycle / quantities.steps_per_second(run)
 
 
 def settlement_difference(run, curve: pd.DataFrame, last: int, what: str) -> float:

@@ -110,8 +110,8 @@ def computing_time_table(found: Iterable[Member]) -> pd.DataFrame:
     """Cost of cyclic loading of each run whose speed is known: IDENTITY and COST."""
     rows = []
     for m in found:
-        speed = (m.run.info.get("steps_per_second") or {}).get("cyclic")
-        if m.run.scenario is None or not isinstance(speed, (int, float)) or not speed > 0:
+        speed = quantities.steps_per_second(m.run)
+        if m.run.scenario is None or math.isnan(speed):
             continue
         grid = derived.time_grid(m.run.scenario)
         seconds = grid.steps_per_cycle / speed

@@ -123,9 +123,7 @@ def cost_table(rows: pd.DataFrame) -> Table | None:
                 number(r.hours_per_1000_cycles, 3),
             ]
         )
-    table.note = (
-        "Timed on shared machines while other work ran, which can only slow a run: good to tens of percent."
-    )
+    table.note = "Timed on shared machines while other work ran, which can only slow a run: good to tens of percent."
     return table
 
 
