@@ -194,6 +194,21 @@ def test_the_engine_dies_with_a_killed_driver(code, begin, tmp_path):
     wait_until(lambda: not engines_of(folder), "the engine lives on", seconds=10)
 
 
+def test_yade_leaves_nothing_in_the_temporary_folder_however_it_ends(tmp_path):
+    """YADE makes a folder there, whatever TMPDIR says, and takes it away only where it ends by itself."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import os, signal\nfrom yade.wrapper import Omega\nfrom temporary import remove_own_folder\n"
+        "print('folder', os.path.dirname(Omega().tmpFilename()), flush=True)\n"
+        "remove_own_folder()\nos.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run(["yade/launch.sh", "-n", "-x", script], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    (folder,) = re.findall(r"^folder (/\S+)$", done.stdout, re.MULTILINE)
+    assert done.returncode == -signal.SIGKILL and not os.path.exists(folder)
+    for name in ("stage.py", "verify.py"):  # all that a command of ours starts
+        assert "    remove_own_folder()\n" in (ROOT / "yade" / name).read_text()
+
+
 def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, preloaded, tmp_path):
     """Two thousand times the load crushes the bed within a cycle."""
     too_much = write_scenarios(tmp_path / "scenarios.toml", stress_max="9.2e8")

@@ -4,7 +4,6 @@ A stage advances in blocks of steps. After each block it appends a row to raw/st
 (SIGTERM, SIGINT), which ends it with exit code 75.
 """
 
-import contextlib
 import faulthandler
 import gzip
 import json
@@ -24,6 +23,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 from load_control import LoadControl
 from state import StateRow, start_state_file, write_state
+from temporary import remove_own_folder
 
 O = Omega()
 STOPPED = 75
@@ -77,9 +77,7 @@ class Stage:
             signal.signal(number, self._request_stop)
         (folder / "raw").mkdir(exist_ok=True)
         (folder / "checkpoints").mkdir(exist_ok=True)
-        # YADE's own folder in /tmp, of which nothing is used here, would stay where the process is killed.
-        with contextlib.suppress(OSError):
-            Path(O.tmpFilename()).parent.rmdir()
+        remove_own_folder()
 
     def _request_stop(self, *_) -> None:
         self._stop = True

@@ -26,6 +26,7 @@ from analysis.scenarios.scenario import Parameter, Scenario
 from bed import Bed
 from bond import Bonds, is_bond
 from contact import MEETS_PARTICLES, ContactLaw
+from temporary import remove_own_folder
 
 O = Omega()
 
@@ -161,6 +162,7 @@ def main() -> None:
     """Run every case of the file; one that fails says so and does not stop the others."""
     probes, folder = json.loads(Path(sys.argv[1]).read_text()), Path(sys.argv[2])
     failed = False
+    remove_own_folder()
     for probe in probes:
         try:
             run(probe, folder)
