@@ -31,7 +31,7 @@ from analysis.report.figures.beds import KEPT_BED
 from analysis.report.pictures import render, turnable, view
 from analysis.report.pictures.scene import kept_cycles, load_scene, packed_scene
 from analysis.report.report_data import is_variant
-from analysis.report.tables import number
+from analysis.report.tables.base import number
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 from analysis.verification.verify import CASES as VERIFIED
@@ -285,7 +285,7 @@ def test_the_bonded_model_stands_beside_the_papers_two_and_its_bonds_are_counted
 def test_servo_and_influence_have_their_pages(full):
     servo, influence = full[2]["servo.html"], full[2]["influence.html"]
     assert "low-pass filter" in servo.says and "nonlinear eₙ 1, PFC servo, YADE, bed 1" in servo.says
-    assert "plates fixed linear μ 0.8 true load settlement 12" in influence.says
+    assert "plates fixed linear μ 0.8 true load settlement at minimum load, mm 12" in influence.says
 
 
 def test_tables_of_the_findings_lie_beside_the_pages(full):

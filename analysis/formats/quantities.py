@@ -175,6 +175,7 @@ _ROWS = (
         0,
         1,
         "2 over the largest frequency of the preloaded bed, its contacts as stiff as under the largest stress",
+        ("µs", 1e6),
     ),
     Quantity("step_share", "-", "share of the critical step", 0, 100, "time step of the run over the critical one"),
     Quantity(
@@ -192,10 +193,11 @@ _ROWS = (
     Quantity(
         "overlap_max_ratio",
         "-",
-        "largest overlap over radius",
+        "largest overlap",
         0,
         2,
         "largest overlap of all contacts, walls included, over the radius of a clump's spheres",
+        ("% of radius", 100.0),
     ),
     Quantity(
         "rotation_mean_rad",
@@ -253,7 +255,14 @@ _ROWS = (
         empty=True,
     ),
     Quantity(
-        "sliding_share", "-", "share of sliding contacts", 0, 1, "contacts at the friction limit, of all", empty=True
+        "sliding_share",
+        "-",
+        "share of sliding contacts",
+        0,
+        1,
+        "contacts at the friction limit, of all",
+        ("%", 100.0),
+        True,
     ),
     Quantity(
         "at_limit_share",
@@ -262,9 +271,12 @@ _ROWS = (
         0,
         1,
         "contacts whose hysteretic dashpot is held at critical damping; empty where the law has no such limit",
+        ("%", 100.0),
         empty=True,
     ),
-    Quantity("kinetic_energy_J", "J", "kinetic energy per clump", 0, 1e9, "mean, translation and rotation", empty=True),
+    Quantity(
+        "kinetic_energy_J", "J", "kinetic energy per clump", 0, 1e9, "mean, translation and rotation", ("mJ", 1e3), True
+    ),
     Quantity(
         "unbalanced_ratio",
         "-",

@@ -14,9 +14,7 @@ from analysis.comparison.findings.members import READINGS, SAME_BED_VARIANT, Mem
 from analysis.comparison.quantities import last_cycle
 from analysis.formats.quantities import CODES
 from analysis.report.answer import only
-from analysis.report.labels import READING_NAMES, short_name
 from analysis.report.sentences import lines
-from analysis.report.tables import Chip, Column, Table, number, quantity_name
 
 PROFILE = "demo"
 AIM_RATIO = 0.15
@@ -91,44 +89,6 @@ def beside_full(members: Iterable[Member]) -> list[Beside]:
     return made
 
 
-def beside_table(rows: Iterable[Beside]) -> Table | None:
-    """How the demo bed settles beside the full one, over the packed beds of both."""
-    label, factor, unit = quantity_name("settlement_m", "m")
-    table = Table(
-        f"The demo bed beside the full bed, LIGGGHTS: {label.partition(',')[0]}",
-        [
-            Column("scenario"),
-            Column("load"),
-            Column("cycle", True),
-            Column(f"demo bed, {unit}", True),
-            Column(f"full bed, {unit}", True),
-            Column("demo over full", True),
-            Column(f"within a factor of {ALIKE_FACTOR:g}"),
-            Column(f"plates outward, demo, {unit}", True),
-            Column(f"full, {unit}", True),
-        ],
-    )
-    for r in rows:
-        seen = Chip("yes", "good") if r.alike else Chip("no", "bad")
-        beds = (_over_beds(values, factor) for values in (r.demo_m, r.full_m))
-        table.rows.append(
-            [short_name(r.scenario), READING_NAMES[r.reading], str(r.cycle), *beds, number(r.ratio, 3), seen]
-            + [number(plates, 2, factor) for plates in (r.demo_plates_m, r.full_plates_m)]
-        )
-    table.note = (
-        "Mean over packed beds and, in brackets, the least and the most of them; the ratio is of the means. "
-        "make demo SEED=2 adds another packed bed of the demo."
-    )
-    return table if table.rows else None
-
-
-def _over_beds(values: tuple[float, ...], factor: float) -> str:
-    mean = number(sum(values) / len(values), 3, factor)
-    if len(values) == 1:
-        return f"{mean} (1 bed)"
-    return f"{mean} ({number(min(values), 3, factor)} to {number(max(values), 3, factor)}, {len(values)} beds)"
-
-
 def of_the_demo(members: Iterable[Member]) -> list[Member]:
     """Runs of the demo, also of a bed that both codes load; none with anything else changed."""
     return [m for m in members if m.run.profile == PROFILE and not set(m.others) - {SAME_BED_VARIANT}]
@@ -177,33 +137,3 @@ def outcomes(found: Findings) -> list[Outcome]:
 def summary(found: Findings, page: str) -> list[str]:
     """The lines that `make demo` ends with; `page` is the report's first page."""
     return lines("demo.txt", outcomes=outcomes(found), aim=AIM_RATIO, page=page)
-
-
-def outcome_table(made: Iterable[Outcome]) -> Table | None:
-    """Settlement of both codes from one bed, and of the full bed, after the same cycle."""
-    label, factor, _ = quantity_name("settlement_m", "m")
-    table = Table(
-        "Both codes on the demo bed, and LIGGGHTS on the full bed, after the same cycle",
-        [
-            Column("scenario"),
-            Column("load"),
-            Column("cycle", True),
-            Column(f"{label}: LIGGGHTS", True),
-            Column("YADE", True),
-            Column("difference, %", True),
-            Column("full bed", True),
-        ],
-    )
-    for o in made:
-        table.rows.append(
-            [
-                short_name(o.scenario),
-                READING_NAMES[o.reading],
-                str(o.cycle),
-                *(number(o.settlement_m.get(code, math.nan), 3, factor) for code in ("liggghts", "yade")),
-                number(o.difference_ratio, 2, 100),
-                number(o.full_m, 3, factor),
-            ]
-        )
-    table.note = "Difference: LIGGGHTS minus YADE over the mean of both."
-    return table if table.rows else None

@@ -90,6 +90,12 @@ def name_of(run: Run) -> str:
     return f"{short_name(run.scenario_name)}, {code_of(run)}"
 
 
+def bed_of(run: Run) -> str:
+    """Where the packed bed came from."""
+    bed = str(run.info.get("bed", "–"))
+    return f"of {bed.split('/')[2]}" if bed.startswith("../../") else bed
+
+
 def state_of(run: Run) -> tuple[str, str]:
     """State and reason; what says it is running but belongs to no process was interrupted."""
     state, reason = run.info.get("state", "unknown"), run.info.get("reason") or ""

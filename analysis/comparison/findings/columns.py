@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import pandas as pd
 
-from analysis.formats.quantities import QUANTITIES
+from analysis.formats.quantities import QUANTITIES, SHOWN_UNITS
 
 UNITS = ("N_m", "kPa", "Pa", "m_s2", "rad", "per_s", "s", "m3", "m", "J", "N", "hours", "ratio", "share")
 """Endings of column names that say the unit; `ratio` and `share` are pure numbers."""
@@ -19,79 +20,132 @@ ENDINGS = {
     "_high": "largest over packed beds",
 }
 
-MEANINGS = {
-    "run": "folder of the run",
-    "profile": "size of the bed: full is the paper's",
-    "scenario": "scenario of scenarios.toml, without its variants",
-    "variant": "variants that are laid over it",
-    "reading": "true load: the load as prescribed; servo: by PFC's servo",
-    "code": "yade or liggghts",
-    "seed": "packing seed",
-    "model": "contact law: linear or hysteretic",
-    "law": "contact law: linear or hysteretic",
-    "bed": "first digits of the packed bed's checksum",
-    "state": "of a run: finished, interrupted, failed; of a comparison: agrees, differs, cannot tell yet",
-    "quantity": "what is compared; its unit is in its name or in the column unit",
-    "unit": "SI unit of the row's values",
-    "cycle": "number of complete load cycles",
-    "cycles": "number of cycles that are there",
-    "cycles_wanted": "number of cycles that the run was asked for",
-    "first_cycle": "first cycle of a span",
-    "last_cycle": "last cycle of a span",
-    "worst_cycle": "cycle with the largest tracking error",
-    "mean": "mean over the packed beds that reach the cycle",
-    "low": "least of them",
-    "high": "largest of them",
-    "beds": "number of packed beds that reach the cycle",
-    "degrees": "degrees of freedom of a pooled scatter",
-    "difference": "LIGGGHTS minus YADE, in the row's unit",
-    "difference_ratio": "difference over the mean of both; empty where they have no common sign",
-    "low_ratio": "lower end of its 95 % interval",
-    "high_ratio": "upper end of its 95 % interval",
-    "within_ratio": "largest difference that the interval allows",
-    "beds_needed": "packed beds per code that would narrow the interval enough",
-    "scatter_ratio": "standard deviation between packed beds over their mean, pooled over scenarios",
-    "differs": "the one thing in which two runs differ: code, time.step or ranks",
-    "one": "one run of a pair",
-    "other": "the other run of a pair",
-    "codes_ratio": "largest difference between the codes, over their mean",
-    "band_ratio": "largest difference by time step or rounding",
-    "band_pairs": "pairs of runs that this band rests on",
-    "bonds_made": "parallel bonds between particles that touched at the end of packing",
-    "broken_share": "bonds broken so far over bonds made",
-    "trend": "slowing, steady or growing, up to the end of the span",
-    "gain": "gain factor of the servo",
-    "lag_from": "what the lag was measured by",
-    "contacts": "number of wall contacts that the measured amplitude takes",
-    "paper_law": "value with the paper's contact laws, m",
-    "stock": "value with the code's own contact model between particles, m",
-    "base": "value without the change",
-    "changed": "value with the change",
-    "change_ratio": "changed over base, minus 1",
-    "scatters": "size of the change in standard deviations between packed beds",
-    "base_run": "run without the change",
-    "met": "whether the load was met within the aim",
-    "steps_per_cycle": "time steps of a load cycle",
-    "kind": "what is missing: scenario, cycles, seeds, reference",
-    "have": "how many are there",
-    "want": "how many are wanted",
-    "number": "of the claim",
-    "about": "whose models the claim is about: paper; chen2015, judged from our own run of that model",
-    "claim": "the claim in words",
-    "verdict": "of the claim in a code and reading",
-    "because": "why the verdict is what it is",
-    "without_curve": "what the part says where the experiment's curve is pending",
-    "check": "a part of the claim",
-    "check_verdict": "of that part",
-    "numbers": "measured values with their 95 % half-widths, in words",
-    "margin": "by how much the values lie on the claim's side",
-    "half_width": "half of the margin's 95 % interval",
-    "missing": "what is missing to decide",
-    "part": "of the claim; empty for the whole",
-    "true_load": "verdict under the true load",
-    "servo": "verdict by PFC's servo",
-    "outcome": "which reading the claim holds in; empty where one is undecided",
+
+@dataclass(frozen=True)
+class Told:
+    """What a column of the findings is, where formats/quantities.py does not say it.
+
+    meaning   for columns.csv; by the ending of the name where it is empty
+    label     heading, without its unit; the name in words where it is empty
+    shown     unit and factor for people where they do not follow from the ending of the name
+    """
+
+    meaning: str = ""
+    label: str = ""
+    shown: tuple[str, float] | None = None
+
+
+PERCENT, MICROSECONDS, MILLISECONDS, PLAIN = ("%", 100.0), ("µs", 1e6), ("ms", 1e3), ("", 1.0)
+
+TOLD = {
+    "run": Told("folder of the run"),
+    "profile": Told("size of the bed: full is the paper's"),
+    "scenario": Told("scenario of scenarios.toml, without its variants"),
+    "variant": Told("variants that are laid over it", "changed"),
+    "reading": Told("true load: the load as prescribed; servo: by PFC's servo", "load"),
+    "code": Told("yade or liggghts"),
+    "seed": Told("packing seed"),
+    "model": Told("contact law: linear or hysteretic"),
+    "law": Told("contact law: linear or hysteretic"),
+    "bed": Told("first digits of the packed bed's checksum"),
+    "state": Told(
+        "of a run: finished, interrupted, failed; of a comparison: agrees, differs, cannot tell yet", "verdict"
+    ),
+    "quantity": Told("what is compared; its unit is in its name or in the column unit"),
+    "unit": Told("SI unit of the row's values"),
+    "cycle": Told("number of complete load cycles"),
+    "cycles": Told("number of cycles that are there"),
+    "cycles_wanted": Told("number of cycles that the run was asked for"),
+    "first_cycle": Told("first cycle of a span"),
+    "last_cycle": Told("last cycle of a span"),
+    "worst_cycle": Told("cycle with the largest tracking error"),
+    "mean": Told("mean over the packed beds that reach the cycle"),
+    "low": Told("least of them"),
+    "high": Told("largest of them"),
+    "beds": Told("number of packed beds that reach the cycle", "beds"),
+    "degrees": Told("degrees of freedom of a pooled scatter"),
+    "difference": Told("LIGGGHTS minus YADE, in the row's unit"),
+    "difference_ratio": Told("difference over the mean of both; empty where they have no common sign", "difference"),
+    "low_ratio": Told("lower end of its 95 % interval"),
+    "high_ratio": Told("upper end of its 95 % interval"),
+    "within_ratio": Told("largest difference that the interval allows"),
+    "beds_needed": Told("packed beds per code that would narrow the interval enough"),
+    "scatter_ratio": Told(
+        "standard deviation between packed beds over their mean, pooled over scenarios", "scatter between beds"
+    ),
+    "differs": Told("the one thing in which two runs differ: code, time.step or ranks"),
+    "one": Told("one run of a pair"),
+    "other": Told("the other run of a pair"),
+    "codes_ratio": Told("largest difference between the codes, over their mean", "largest difference of the codes"),
+    "band_ratio": Told("largest difference by time step or rounding", "of time step and rounding"),
+    "band_pairs": Told("pairs of runs that this band rests on", "pairs"),
+    "bonds_made": Told("parallel bonds between particles that touched at the end of packing"),
+    "broken_share": Told("bonds broken so far over bonds made"),
+    "trend": Told("slowing, steady or growing, up to the end of the span"),
+    "gain": Told("gain factor of the servo", "gain"),
+    "lag_from": Told("what the lag was measured by"),
+    "contacts": Told("number of wall contacts that the measured amplitude takes", "contacts"),
+    "paper_law": Told("value with the paper's contact laws, m", "the paper's law"),
+    "stock": Told("value with the code's own contact model between particles, m", "the code's own"),
+    "base": Told("value without the change", "as it is"),
+    "changed": Told("value with the change", "changed"),
+    "change_ratio": Told("changed over base, minus 1", "change"),
+    "scatters": Told("size of the change in standard deviations between packed beds", "in scatters of a bed"),
+    "base_run": Told("run without the change"),
+    "met": Told("whether the load was met within the aim"),
+    "steps_per_cycle": Told("time steps of a load cycle"),
+    "kind": Told("what is missing: scenario, cycles, seeds, reference"),
+    "have": Told("how many are there"),
+    "want": Told("how many are wanted"),
+    "number": Told("of the claim"),
+    "about": Told("whose models the claim is about: paper; chen2015, judged from our own run of that model"),
+    "claim": Told("the claim in words"),
+    "verdict": Told("of the claim in a code and reading"),
+    "because": Told("why the verdict is what it is"),
+    "without_curve": Told("what the part says where the experiment's curve is pending"),
+    "check": Told("a part of the claim"),
+    "check_verdict": Told("of that part"),
+    "numbers": Told("measured values with their 95 % half-widths, in words"),
+    "margin": Told("by how much the values lie on the claim's side"),
+    "half_width": Told("half of the margin's 95 % interval"),
+    "missing": Told("what is missing to decide"),
+    "part": Told("of the claim; empty for the whole"),
+    "true_load": Told("verdict under the true load"),
+    "servo": Told("verdict by PFC's servo"),
+    "outcome": Told("which reading the claim holds in; empty where one is undecided"),
+    "bed_stiffness_N_m": Told(label="stiffness of the bed"),
+    "bed_loss_angle_rad": Told(label="loss angle of the bed"),
+    "time_constant_s": Told(label="time constant", shown=MILLISECONDS),
+    "amplitude_ratio": Told(label="amplitude"),
+    "predicted_amplitude_ratio": Told(label="predicted amplitude"),
+    "lag_rad": Told(label="lag"),
+    "predicted_lag_rad": Told(label="predicted lag"),
+    "elastic_m": Told(label="elastic"),
+    "permanent_m": Told(label="permanent"),
+    "liggghts_mean": Told(label="LIGGGHTS"),
+    "yade_mean": Told(label="YADE"),
+    "preload_settlement_m": Told(label="settlement in preload"),
+    "step_s": Told(label="time step", shown=MICROSECONDS),
+    "time_step_s": Told(label="time step", shown=MICROSECONDS),
+    "steps_per_s": Told(label="steps per second", shown=PLAIN),
+    "hours_per_1000_cycles": Told(label="hours for 1000 cycles"),
+    "steps_per_cpu_s": Told(label="steps per second of processor time", shown=PLAIN),
+    "steps_per_wall_s": Told(label="steps per second by the clock", shown=PLAIN),
+    "ranks": Told(label="ranks or threads"),
+    "share": Told(label="share", shown=PERCENT),
+    "sleeper_work_J": Told(label="work of the sleeper per cycle"),
 }
+
+
+def label_of_column(name: str) -> tuple[str, str, float]:
+    """(label, unit for people, factor from SI) of a column of any finding."""
+    if name in QUANTITIES:
+        quantity = QUANTITIES[name]
+        return quantity.label, "" if quantity.unit == "cycles" else quantity.shown_unit, quantity.factor
+    told = TOLD.get(name, Told())
+    ending = next((unit for unit in ("ratio", "share") if name.endswith(f"_{unit}")), "")
+    unit, factor = told.shown or (PERCENT if ending else SHOWN_UNITS.get(_unit(name), PLAIN))
+    return told.label or name.replace("_", " "), unit, factor
 
 
 def describe(frames: Iterable[pd.DataFrame]) -> pd.DataFrame:
@@ -109,8 +163,8 @@ def _unit(name: str) -> str:
 
 
 def _meaning(name: str) -> str:
-    if name in MEANINGS:
-        return MEANINGS[name]
+    if name in TOLD and TOLD[name].meaning:
+        return TOLD[name].meaning
     for stage in ("packed_", "preloaded_"):
         if name.startswith(stage) and name.removeprefix(stage) in QUANTITIES:
             return f"{QUANTITIES[name.removeprefix(stage)].meaning}; bed {stage.removesuffix('_')}"

@@ -9,6 +9,7 @@ import pandas as pd
 
 from analysis.comparison import quantities
 from analysis.comparison.findings import runs as runs_findings
+from analysis.formats.quantities import QUANTITIES
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
@@ -22,7 +23,7 @@ TRACKING_AIM = {model: 100 * aim for model, aim in runs_findings.TRACKING_AIM.it
 """rms tracking error that no cycle should exceed, by contact model, % of the maximum stress."""
 
 
-def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
     """Tracking error per cycle, and the extremes of the measured stress against their targets."""
     curves = g.curves(runs)
     if not curves:
@@ -75,6 +76,7 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     extremes.hover_unit = "kPa"
     cycle_axis(extremes, last_cycle_of(curves), False)
     extremes.table = curve_rows(curves, ["cycle", "sleeper_stress_min_Pa", "sleeper_stress_max_Pa"])
+    caption = "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum)."
     return g.finish(name, title, caption, [error, extremes], runs, curves)
 
 
@@ -110,34 +112,40 @@ def stress_figure(g: Gallery, s: Scenario, runs: Sequence[Run], name: str, title
     return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
 
 
-def stroke_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def stroke_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """Resilient stroke, secant stiffness and loop energy per cycle."""
     curves = g.curves(runs)
     measured = {curve.label: quantities.per_cycle(curve.main).set_index("cycle") for curve in curves}
     drawn = []
-    for column, label, factor, unit in (
-        ("resilient_stroke_m", "resilient stroke, mm", MM, "mm"),
-        ("secant_stiffness_N_m", "secant stiffness, kN/mm", 1e-6, "kN/mm"),
-        ("loop_energy_J", "work lost per cycle, J", 1.0, "J"),
-    ):
-        c = style.canvas(f"{name}-{column}", label, height=2.7)
+    for column in ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"):
+        quantity = QUANTITIES[column]
+        c = style.canvas(f"{name}-{column}", quantity.heading, height=2.7)
         for curve in curves:
             values = measured[curve.label][column].dropna()
-            draw(c, curve, pd.DataFrame({"value": values, "low": values, "high": values}), factor)
+            draw(c, curve, pd.DataFrame({"value": values, "low": values, "high": values}), quantity.factor)
         if not c.series:
             continue
-        c.axes.set_ylabel(label)
-        c.hover_unit = unit
+        c.axes.set_ylabel(quantity.heading)
+        c.hover_unit = quantity.shown_unit
         cycle_axis(c, last_cycle_of(curves), False)
         c.table = pd.concat(
             [measured[curve.label][[column]].reset_index().assign(run=curve.main.id) for curve in curves],
             ignore_index=True,
         )
         drawn.append(c)
-    return g.finish(name, title, caption, drawn, [curve.main for curve in curves], curves)
+    return g.finish(
+        name,
+        "Stiffness and losses",
+        "Resilient stroke: settlement at maximum minus that at the next minimum load. Secant stiffness: range of the "
+        "sleeper's load over that stroke. Work lost: area of the loop of load against settlement, with its permanent "
+        "part.",
+        drawn,
+        [curve.main for curve in curves],
+        curves,
+    )
 
 
-def loop_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def loop_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """Stress on the sleeper against its settlement in the first and the last cycle, one panel per scenario."""
     curves = [curve for curve in g.curves(runs) if len(curve.main.loops)]
     drawn = []
@@ -188,4 +196,12 @@ def loop_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption:
         c.axes.set_title(short_name(scenario))
         c.table = pd.concat(frames, ignore_index=True)
         drawn.append(c)
-    return g.finish(name, title, caption, drawn, [curve.main for curve in curves], curves)
+    return g.finish(
+        name,
+        "Stress against settlement",
+        "First (paler) and last cycle. The area of a loop is the work lost in the cycle; its extent along the "
+        "settlement axis is the resilient stroke.",
+        drawn,
+        [curve.main for curve in curves],
+        curves,
+    )

@@ -13,7 +13,7 @@ from analysis.report import style
 from analysis.report.curves import css
 from analysis.report.figure import Gallery
 from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, PAPER, SOFT
-from analysis.report.tables import number
+from analysis.report.tables.base import number
 from analysis.verification.cases.base import Case
 from analysis.verification.sketch import Sketch
 

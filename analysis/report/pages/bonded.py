@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from analysis.comparison.findings.members import READINGS, member
 from analysis.normalised.readers import Runs
-from analysis.report.answer import only
 from analysis.report.figures.bonds import bonds_figure, broken_bonds_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
-from analysis.report.labels import READING_NAMES, short_name
+from analysis.report.labels import READING_NAMES
 from analysis.report.report_data import CHEN_SCENARIOS, KEY_SCENARIOS, ReportData
-from analysis.report.style import CODE_NAMES
-from analysis.report.tables import Column, Table, number
+from analysis.report.tables.base import Table
+from analysis.report.tables.bonds import bonds_table
 from analysis.scenarios.scenario import load_scenario
 
 TITLE = "Chen et al.: the bonded model, our own run"
@@ -49,7 +48,7 @@ def bonded_group(data: ReportData, profile: str) -> dict:
             "Each dot is a bond, at its place when it broke; all of the bed's depth is seen. Grey: sleeper and plates.",
         ),
     ]
-    return {"title": TITLE, "missing": WAITS, "figures": figures, "tables": [bonds_table(data, profile)]}
+    return {"title": TITLE, "missing": WAITS, "figures": figures, "tables": [bonds_of(data, profile)]}
 
 
 def bonded_runs(data: ReportData, profile: str) -> Runs:
@@ -58,48 +57,9 @@ def bonded_runs(data: ReportData, profile: str) -> Runs:
     return Runs(run for run in there if len(run.bonds) and len(run.cycles))
 
 
-def bonds_table(data: ReportData, profile: str) -> Table | None:
-    """Bonds made and broken by cycle; which reading of the units breaks any."""
-    rows = only(data.findings.bonds, profile=profile)
+def bonds_of(data: ReportData, profile: str) -> Table | None:
+    """Bonds made and broken by cycle."""
+    rows = data.findings.bonds
     if rows.empty:
         return None
-    table = Table(
-        "Bonds made and broken",
-        [
-            Column("run"),
-            Column("load"),
-            Column("after cycle", True),
-            Column("bonds made", True),
-            Column("broken in tension", True),
-            Column("broken in shear", True),
-            Column("broken, %", True),
-        ],
-    )
-    for r in rows.itertuples():
-        table.rows.append(
-            [
-                f"{label_of(r)}, {CODE_NAMES.get(r.code, r.code)}{f', seed {r.seed}' if r.seed != 1 else ''}",
-                READING_NAMES[r.reading],
-                str(r.cycle),
-                str(r.bonds_made),
-                str(r.bonds_broken_tension),
-                str(r.bonds_broken_shear),
-                number(r.broken_share, 3, 100),
-            ]
-        )
-    setup = load_scenario(CHEN_SCENARIOS[0], "full")
-    stiffness, strength = (
-        " and ".join(f"{setup[f'contact.bond.{way}_{what}']:g}" for way in ("normal", "shear"))
-        for what in ("stiffness", "strength")
-    )
-    table.note = (
-        "Table 3 prints bond stiffness in N/m and strength in N, which a parallel bond does not have. Here they are "
-        f"read per area (assumed): {stiffness} Pa/m, {strength} Pa; “bonds in N/m” reads them as printed. Cycle 0 is "
-        "the end of preload."
-    )
-    return table
-
-
-def label_of(row) -> str:
-    """A scenario with its variants, in words."""
-    return short_name("+".join(filter(None, (row.scenario, row.variant))))
+    return bonds_table(rows[rows["profile"] == profile], load_scenario(CHEN_SCENARIOS[0], "full"))

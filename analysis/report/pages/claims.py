@@ -8,7 +8,7 @@ from analysis.report.labels import READING_NAMES, with_labels
 from analysis.report.report_data import ReportData, known_scenarios
 from analysis.report.sentences import symbols
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import Chip, Column, Table
+from analysis.report.tables.base import Chip, Column, Table
 
 VERDICT_KIND = {evidence.HOLDS: "good", evidence.FAILS: "bad"}
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from analysis.formats.quantities import SPHERES
-from analysis.report.agreement_tables import agreement_table
 from analysis.report.answer import answer, only
-from analysis.report.demo_outcome import PROFILE, beside_full, beside_table, of_the_demo, outcome_table, outcomes
+from analysis.report.demo_outcome import PROFILE, beside_full, of_the_demo, outcomes
 from analysis.report.figures.beds import bed_figure
 from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.load import tracking_figure
 from analysis.report.figures.overview import both_readings_figure
 from analysis.report.figures.porosity import porosity_figure
-from analysis.report.pages.runs import runs_table
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.sentences import lines
+from analysis.report.tables.agreement import agreement_table
+from analysis.report.tables.demo import beside_table, outcome_table
+from analysis.report.tables.runs import runs_table
 from analysis.scenarios import derived
 
 
@@ -46,9 +47,7 @@ def demo_page(data: ReportData) -> dict | None:
             )
             if measured
             else None,
-            tracking_figure(
-                g, runs, "tracking-demo", "Load tracking", "rms error over each cycle, and the extremes of each cycle."
-            ),
+            tracking_figure(g, runs, "tracking-demo", "Load tracking"),
         ],
         "outcomes": outcome_table(outcomes(data.findings)),
         "beside": beside_table(beside_full(data.findings.members)),

@@ -8,7 +8,7 @@ from analysis.files import KEPT_VERIFICATION
 from analysis.report.figures.verification import case_figure
 from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables import Chip, Column, Table, number
+from analysis.report.tables.base import Chip, Column, Table, number
 from analysis.verification.verify import CASES
 
 OWN_LAW = r"YADE has no|YADE counts|YADE's own|its own oracle|its own expected value"

@@ -1,0 +1,140 @@
+"""How the two codes agree: from beds of their own, from one bed, over the plates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import pandas as pd
+
+from analysis.comparison import same_bed
+from analysis.comparison.findings.agreement import AGREES, COMPARED, DIFFERS
+from analysis.formats.numbers import plural
+from analysis.report.style import CODE_NAMES
+from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number, shown
+
+SHOWN = (
+    "settlement_m",
+    "lateral_mean_m",
+    "resilient_stroke_m",
+    "secant_stiffness_N_m",
+    "porosity_1",
+    "porosity_2",
+    "porosity_3",
+    "coordination_number",
+)
+
+
+def agreement_table(rows: pd.DataFrame, quantities: Sequence[str] = SHOWN, all_cycles: bool = False) -> Table | None:
+    """Both codes after the last cycle that a run of each has reached, or after each compared cycle."""
+    rows = rows[rows["quantity"].isin(quantities)]
+    if not all_cycles and len(rows):
+        last = rows.groupby(["scenario", "reading"])["cycle"].transform("max")
+        rows = rows[rows["cycle"] == last]
+    order = {name: n for n, name in enumerate(COMPARED)}
+    rows = rows.sort_values(
+        ["scenario", "reading", "quantity", "cycle"], key=lambda c: c.map(order) if c.name == "quantity" else c
+    )
+    return frame_table(
+        rows,
+        "LIGGGHTS and YADE, each from beds of its own, after the same cycle",
+        [
+            "scenario",
+            "reading",
+            "quantity",
+            "cycle",
+            Shown("liggghts_mean", in_unit="quantity"),
+            Shown("yade_mean", in_unit="quantity"),
+            Shown("liggghts_beds", "beds", text=lambda row: f"{row.liggghts_beds}, {row.yade_beds}"),
+            Shown("difference_ratio", digits=2),
+            Shown("low_ratio", "95 % interval, %", text=interval),
+            Shown("state", "verdict", text=state_chip, number=False),
+        ],
+    )
+
+
+def interval(row) -> str:
+    """95 % interval of a difference, %."""
+    if not math.isfinite(row.low_ratio):
+        return "–"
+    return f"{number(row.low_ratio, 2, 100)} to {number(row.high_ratio, 2, 100)}"
+
+
+def state_chip(row) -> Chip:
+    """The state of a comparison as a coloured word: colour says agrees (green), differs (red), cannot tell (grey)."""
+    if row.state == AGREES:
+        return Chip(f"agrees within {number(row.within_ratio, 2, 100)} %", "good")
+    if row.state == DIFFERS:
+        return Chip("differs", "bad")
+    needed = row.beds_needed
+    wanted = f", needs {plural(int(needed), 'bed')} per code" if math.isfinite(needed) and needed <= 99 else ""
+    return Chip(f"cannot tell yet{wanted}", "calm")
+
+
+WITHIN = {AGREES: Chip("yes, within", "good"), DIFFERS: Chip("no, beyond", "bad")}
+
+
+def within_chip(row) -> Chip:
+    """Whether the codes differ by no more than time step and rounding do."""
+    return WITHIN.get(row.state, Chip("no band yet", "calm"))
+
+
+def same_bed_table(verdicts: pd.DataFrame) -> Table | None:
+    """Whether the codes differ, from one bed, by no more than the time step and rounding change."""
+    return frame_table(
+        verdicts,
+        "Both codes from one packed bed: is the difference of their settlement within what half a time step and "
+        "rounding alone change?",
+        [
+            "scenario",
+            "reading",
+            "bed",
+            "cycles",
+            Shown("codes_ratio", digits=2),
+            Shown("band_ratio", digits=2),
+            "band_pairs",
+            Shown("state", "verdict", text=within_chip, number=False),
+        ],
+    )
+
+
+def lateral_table(rows: pd.DataFrame) -> Table | None:
+    """How alike the lateral profiles of both codes are."""
+    return frame_table(
+        rows,
+        "Profiles over the five plates, LIGGGHTS against YADE",
+        [
+            "scenario",
+            "cycle",
+            Shown("rms_m", "rms difference"),
+            Shown("ratio", "ratio of means"),
+            "correlation",
+        ],
+    )
+
+
+def pair_names(pair: same_bed.Pair) -> tuple[str, str]:
+    """What tells the two runs of a pair apart: their codes, time steps or ranks."""
+    what = {
+        "code": lambda run: "",
+        "time.step": lambda run: f" {shown(1e6 * run.scenario['time.step'])} µs",
+        "ranks": lambda run: f" {plural(same_bed.ranks(run), 'rank')}",
+    }[pair.differs]
+    return tuple(CODE_NAMES.get(run.code, run.code) + what(run) for run in (pair.one, pair.other))
+
+
+def pairs_table(found: Sequence[same_bed.Pair], title: str) -> Table:
+    """Settlement of pairs from one bed, a row per cycle, the pairs beside each other."""
+    _, unit, factor = label_of_column("settlement_m")
+    table = Table(f"Settlement from the same bed, {unit}: {title}", [Column("settlement")])
+    by_cycle: dict[int, dict[int, list[str]]] = {}
+    for n, pair in enumerate(found):
+        table.columns += [*(Column(name, True) for name in pair_names(pair)), Column("difference, %", True)]
+        for row in same_bed.settlements(pair).itertuples():
+            both = [number(value, 3, factor) for value in (row.one_m, row.other_m)]
+            by_cycle.setdefault(row.cycle, {})[n] = [*both, number(row.difference_ratio, 2, 100)]
+    for cycle, cells in sorted(by_cycle.items()):
+        name = f"after {plural(cycle, 'cycle')}" if cycle else "in preload"
+        table.rows.append([name, *(text for n in range(len(found)) for text in cells.get(n, ["–"] * 3))])
+    table.note = "Runs: " + "; ".join(f"{pair.one.id} and {pair.other.id}" for pair in found) + "."
+    return table
