@@ -409,6 +409,15 @@ def test_computing_time_is_that_of_the_fastest_run_of_a_model():
     assert verdict.verdict == HOLDS and "full/nonlinear-en1.0/liggghts-seed4" in verdict.runs
 
 
+def test_processor_time_decides_what_wall_time_cannot():
+    runs = seeds("nonlinear-en1.0", 2, speed=180) + seeds("linear-mu0.8", 2, speed=350)
+    assert judge(11, runs).verdict == OPEN
+    for run in runs[::2]:
+        run.info |= {"cpu_s": {"cyclic": 10.0}, "cpu_steps": {"cyclic": 12000 if "non" in run.id else 18000}}
+    verdict = judge(11, runs)
+    assert verdict.verdict == HOLDS and len(verdict.runs) == 2 and "15%" in verdict.uncertainty
+
+
 def test_verdicts_become_a_table_with_a_row_per_check():
     verdicts = evaluate_claims(CASES[11][0][0], NOTHING)
     table = to_frame(verdicts)

@@ -271,12 +271,16 @@ def _add_at(
             rows.append((name, n, value, math.nan, math.nan, QUANTITIES[name].unit, why))
 
 
+def has_processor_time(run) -> bool:
+    """Whether a run recorded the processor time of its cyclic loading."""
+    return all((run.info.get(key) or {}).get("cyclic", 0) > 0 for key in ("cpu_s", "cpu_steps"))
+
+
 def steps_per_second(run) -> float:
     """Steps of cyclic loading per second of processor time, of wall time in runs that did not record the other; nan
     where neither is known.
     """
-    seconds, steps = (run.info.get(key, {}).get("cyclic") for key in ("cpu_s", "cpu_steps"))
+    if has_processor_time(run):
+        return run.info["cpu_steps"]["cyclic"] / run.info["cpu_s"]["cyclic"]
     speed = (run.info.get("steps_per_second") or {}).get("cyclic")
-    if isinstance(seconds, (int, float)) and isinstance(steps, (int, float)) and seconds > 0:
-        speed = steps / seconds
     return float(speed) if isinstance(speed, (int, float)) and speed > 0 else math.nan
