@@ -9,6 +9,8 @@ from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, se
 
 from analysis import load_runs
 from analysis.comparison import against_published, codes, quantities
+from analysis.comparison.findings import agreement
+from analysis.comparison.findings.members import members
 from analysis.driver.keep import keep
 from analysis.formats.quantities import QUANTITIES
 from analysis.normalised.sleeper_work import sleeper_work
@@ -151,7 +153,7 @@ def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fail
     )
     bed.microstructure = pd.DataFrame({"cycle": [0, *n], "crib_heave_m": [0, *(-1e-5 * n)]})
     rates = quantities.settling_rates(bed)
-    assert quantities.settling_trend(bed) == trend
+    assert quantities.trend_of(rates["settlement_rate_m"]) == trend
     assert rates["last_cycle"].iloc[-1] == cycles and list(rates["first_cycle"][:4]) == [0, 1, 2, 5]
     np.testing.assert_allclose(rates["lateral_rate_m"], 2e-5, rtol=1e-9)
     np.testing.assert_allclose(rates["crib_heave_rate_m"], -1e-5, rtol=1e-9)
@@ -163,7 +165,8 @@ def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fail
 def test_a_run_of_a_cycle_or_none_has_no_trend(results, cycles):
     (run,) = load_runs(results, scenario="nonlinear-en1.0")
     run.cycles = run.cycles.iloc[:cycles]
-    assert quantities.settling_trend(run) == "" and len(quantities.settling_rates(run)) == cycles
+    rates = quantities.settling_rates(run)
+    assert quantities.trend_of(rates["settlement_rate_m"]) == "" and len(rates) == cycles
 
 
 def test_late_slope_and_its_interval(run):
@@ -177,19 +180,6 @@ def test_late_slope_and_its_interval(run):
     assert quantities.late_slope(n, curve, first=1, last=20)[0] > 1e-4
     assert all(map(math.isnan, quantities.late_slope(n[:12], curve[:12])))
     assert all(map(math.isnan, quantities.late_slope([], [])))
-
-
-@pytest.mark.parametrize(
-    "porosities, error, text",
-    [
-        ((0.34, 0.35, 0.36), 0.0009, "1 < 2 < 3"),
-        ((0.36, 0.35, 0.34), 0.0009, "3 < 2 < 1"),
-        ((0.35, 0.351, 0.36), 0.0009, "1 ~ 2 < 3"),
-        ((0.35, math.nan, 0.36), 0.0009, ""),
-    ],
-)
-def test_porosity_order(porosities, error, text):
-    assert quantities.porosity_order(porosities, error) == text
 
 
 def test_summary_says_everything_or_why_not(run, short):
@@ -230,40 +220,47 @@ def test_nothing_needs_the_scenario(results):
 # ------------------------------------------------------------------ code against code
 
 
+def agreed(runs):
+    """(values of each run, code against code) as the findings have them."""
+    values = agreement.seed_values(members(runs))
+    return values, agreement.agreement_table(values, agreement.scatter_table(values))
+
+
 def test_agreement_returns_the_known_differences(runs):
-    table = codes.agreement(runs)
+    values, table = agreed(runs)
     assert set(table["scenario"]) == {"linear-mu0.8"}  # the other one has run in one code only
-    assert sorted(table["cycle"].unique()) == [0, 1, 10, 100, CYCLES]  # the last that all runs have
+    assert sorted(table["cycle"].unique()) == [1, 2, 5, 10, 20, 50, 100]  # none beyond what all runs have
     row = value(table, "settlement_m", 100)
-    assert (row["yade_seeds"], row["liggghts_seeds"]) == (2, 3)
-    assert row["ratio"] == pytest.approx(1 / 1.1, rel=0.03) and row["difference"] < 0
-    assert row["yade_low"] <= row["yade_mean"] <= row["yade_high"]
-    assert 0 < row["seed_scatter"] < 0.03 * row["yade_mean"]
-    row = value(table, "lateral_mean_m", CYCLES)
-    # YADE's run is longer: its full 6 mm come after 140 cycles, and 120 cycles are compared.
+    assert (row["yade_beds"], row["liggghts_beds"]) == (2, 3)
+    assert row["liggghts_mean"] / row["yade_mean"] == pytest.approx(1 / 1.1, rel=0.03) and row["difference"] < 0
+    bands = agreement.band_table(values)
+    band = value(bands[bands["code"] == "yade"], "settlement_m", 100)
+    assert band["low"] <= band["mean"] == row["yade_mean"] <= band["high"]
+    row = value(table, "lateral_mean_m", 100)
+    # YADE's run is longer: its full 6 mm come after 140 cycles, those of LIGGGHTS after 120.
     at_end = settlement(DEFAULT_LAW, [CYCLES])[0] / settlement(DEFAULT_LAW, [CYCLES + 20])[0]
-    assert row["ratio"] == pytest.approx(5 / (6 * at_end), rel=1e-6) and not row["within_scatter"]
-    assert value(table, "porosity_1", CYCLES)["unit"] == "-"
-    assert value(table, "late_slope_m")["ratio"] == pytest.approx(1 / 1.1, abs=0.5)
+    assert row["liggghts_mean"] / row["yade_mean"] == pytest.approx(5 / (6 * at_end), rel=1e-6)
+    assert not row["low_ratio"] <= 0 <= row["high_ratio"]
+    assert value(table, "porosity_1", 100)["unit"] == "-"
 
 
 def test_agreement_of_single_runs_has_no_scatter(runs):
-    table = codes.agreement(runs.select(seed=1))
-    assert (table["yade_seeds"] == 1).all() and table["seed_scatter"].isna().all()
-    assert all(within is None for within in table["within_scatter"])
+    _, table = agreed(runs.select(seed=1))
+    assert (table["yade_beds"] == 1).all() and table["low_ratio"].isna().all()
+    assert (table["state"] == agreement.OPEN).all()
 
 
 def test_agreement_within_the_scatter_of_equal_codes(tmp_path):
     for code in ("yade", "liggghts"):
         for seed in (1, 2, 3, 4):
             write_run(tmp_path, "demo", "linear-mu0.8", code, 10, seed, noise=0.02, rng=10 + len(code), contacts=False)
-    table = codes.agreement(load_runs(tmp_path, quiet=True))
+    _, table = agreed(load_runs(tmp_path, quiet=True))
     settled = table[table["quantity"] == "settlement_m"]
-    assert len(settled) == 2 and settled["within_scatter"].all()
+    assert len(settled) == 4 and ((settled["low_ratio"] <= 0) & (settled["high_ratio"] >= 0)).all()
 
 
 def test_agreement_of_nothing():
-    assert list(codes.agreement([])) == list(codes.AGREEMENT)
+    assert [len(table) for table in agreed([])] == [0, 0]
     assert len(codes.lateral_agreement([])) == 0 and codes.last_common_cycle([]) == 0
 
 
@@ -277,14 +274,12 @@ def test_lateral_shapes(runs):
 
 
 def test_seed_bands(runs):
-    bands = codes.seed_bands(runs.cycles, ["settlement_m", "porosity_1"])
-    liggghts = bands[(bands["code"] == "liggghts") & (bands["scenario"] == "linear-mu0.8")]
-    assert len(liggghts) == CYCLES and (liggghts["seeds"] == 3).all()
+    bands = agreement.band_table(agreement.seed_values(members(runs)))
+    at = bands[(bands["code"] == "liggghts") & (bands["scenario"] == "linear-mu0.8") & (bands["cycle"] == 50)]
+    row = value(at, "settlement_m", 50)
     one = runs.cycles[(runs.cycles["code"] == "liggghts") & (runs.cycles["cycle"] == 50)]["settlement_m"]
-    row = liggghts[liggghts["cycle"] == 50].iloc[0]
-    assert [row["settlement_m_low"], row["settlement_m_mean"], row["settlement_m_high"]] == pytest.approx(
-        [one.min(), one.mean(), one.max()]
-    )
+    assert row["beds"] == 3
+    assert [row["low"], row["mean"], row["high"]] == pytest.approx([one.min(), one.mean(), one.max()])
 
 
 # ------------------------------------------------------------------ run against reference

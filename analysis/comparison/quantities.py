@@ -5,7 +5,6 @@ Functions take a `readers.Run` (or anything with its attributes). SI units; nan 
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Sequence
 
@@ -85,6 +84,7 @@ def per_cycle(run) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "cycle": cycles["cycle"],
+            "lateral_mean_m": lateral_mean(cycles),
             "settlement_increment_m": cycles["settlement_m"].diff().fillna(cycles["settlement_m"]).where(follows),
             "resilient_stroke_m": stroke,
             "peak_acceleration_m_s2": stroke / 2 * (2 * math.pi * frequency) ** 2,
@@ -95,6 +95,11 @@ def per_cycle(run) -> pd.DataFrame:
             / (run.scenario["loading.stress_max"] if run.scenario is not None else math.nan),
         }
     )
+
+
+def lateral_mean(cycles: pd.DataFrame) -> pd.Series:
+    """Mean displacement of the five plates after each cycle, m; nan where one is unknown."""
+    return cycles[list(row_of("lateral_{}_m"))].mean(axis=1, skipna=False)
 
 
 def harmonic_energy(run) -> dict[int, float]:
@@ -138,7 +143,7 @@ def lateral_profile(run, cycles: Sequence[int] = CYCLES_SHOWN) -> pd.DataFrame:
     ).astype({"cycle": int, "plate": int})
 
 
-# ---------------------------------------------------------------------- the late part, the porosities
+# ---------------------------------------------------------------------- the late part
 
 
 def late_slope(
@@ -174,18 +179,13 @@ def settling_rates(run) -> pd.DataFrame:
     whole = pd.DataFrame(
         {
             "settlement_rate_m": cycles["settlement_m"],
-            "lateral_rate_m": cycles[[f"lateral_{k}_m" for k in file_columns.PLATES]].mean(axis=1, skipna=False),
+            "lateral_rate_m": lateral_mean(cycles),
             "crib_heave_rate_m": inner[~inner.index.duplicated()],
         }
     ).reindex(edges)
     whole.loc[whole.index == 0] = 0.0  # all three are zero at the end of preload
     rates = whole.diff().div(np.diff(edges, prepend=np.nan), axis=0).iloc[1:]
     return rates.reset_index(drop=True).assign(first_cycle=edges[:-1], last_cycle=edges[1:])[list(RATES)]
-
-
-def settling_trend(run) -> str:
-    """Whether a run's settling slows down, see `trend_of`."""
-    return trend_of(settling_rates(run)["settlement_rate_m"])
 
 
 def trend_of(rates: Sequence[float]) -> str:
@@ -198,18 +198,6 @@ def trend_of(rates: Sequence[float]) -> str:
         return ""
     ratio = rates[-1] / rates[-2]
     return "slowing" if ratio < 0.8 else "growing" if ratio > 1.25 else "steady"
-
-
-def porosity_order(porosities, error: float = 0.0) -> str:
-    """The spheres from the least porous to the most, as "1 < 2 ~ 3"; ~ stands where twice the joint error decides."""
-    porosities = np.asarray(porosities, dtype=float)
-    if not np.isfinite(porosities).all():
-        return ""
-    order = np.argsort(porosities, kind="stable")
-    text = str(order[0] + 1)
-    for one, other in itertools.pairwise(order):
-        text += (" ~ " if porosities[other] - porosities[one] <= 2 * math.sqrt(2) * error else " < ") + str(other + 1)
-    return text
 
 
 # ---------------------------------------------------------------------- summary

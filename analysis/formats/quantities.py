@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 CODES = ("yade", "liggghts")
 PLATES = range(1, 6)
@@ -46,6 +46,8 @@ class Quantity:
     meaning   what it is, for the glossary: definition, sign, reference
     shown     unit and factor for people where they are not those of SHOWN_UNITS
     empty     True where a cell may be empty: the run cannot say it in every row
+    compared  True where the codes are compared by it; left out is what is equal by construction (number of clumps,
+              load), what a run is held to (tracking error) and what another quantity says
     """
 
     name: str
@@ -56,6 +58,7 @@ class Quantity:
     meaning: str
     shown: tuple[str, float] | None = None
     empty: bool = False
+    compared: bool = False
 
     @property
     def shown_unit(self) -> str:
@@ -89,9 +92,16 @@ _ROWS = (
         10,
         "downward displacement of the sleeper since the end of preload; in cycles.csv at the minimum load that ends a "
         "cycle",
+        compared=True,
     ),
     Quantity(
-        "settlement_peak_m", "m", "settlement at maximum load", -10, 10, "the same at the maximum load of the cycle"
+        "settlement_peak_m",
+        "m",
+        "settlement at maximum load",
+        -10,
+        10,
+        "the same at the maximum load of the cycle",
+        compared=True,
     ),
     Quantity(
         "lateral_{}_m",
@@ -110,6 +120,7 @@ _ROWS = (
         "share of a measurement sphere's volume that no clump fills; sleeper and plates are left out of the volume; "
         "empty where the sphere does not fit into the box",
         empty=True,
+        compared=True,
     ),
     Quantity("bonds", "-", "bonds that hold", 0, 1e8, "number of parallel bonds between clumps that hold"),
     Quantity("bonds_broken_tension", "-", "bonds broken in tension", 0, 1e8, "since they were made"),
@@ -185,11 +196,14 @@ _ROWS = (
         0,
         1e3,
         "contacts of a clump with others and with walls, sphere by sphere: (2 N_pp + N_pw) / N",
+        compared=True,
     ),
     Quantity(
         "neighbours_mean", "-", "neighbours per clump", 0, 1e3, "other clumps that a clump touches, however often"
     ),
-    Quantity("overlap_mean_m", "m", "mean overlap", 0, 10, "mean over contacts between clumps", ("µm", 1e6)),
+    Quantity(
+        "overlap_mean_m", "m", "mean overlap", 0, 10, "mean over contacts between clumps", ("µm", 1e6), compared=True
+    ),
     Quantity(
         "overlap_max_ratio",
         "-",
@@ -198,6 +212,7 @@ _ROWS = (
         2,
         "largest overlap of all contacts, walls included, over the radius of a clump's spheres",
         ("% of radius", 100.0),
+        compared=True,
     ),
     Quantity(
         "rotation_mean_rad",
@@ -206,6 +221,7 @@ _ROWS = (
         0,
         3.2,
         "mean over clumps of the angle of the rotation since before loading, 0 to pi",
+        compared=True,
     ),
     Quantity("rotation_max_rad", "rad", "largest rotation", 0, 3.2, "the largest of these angles"),
     Quantity(
@@ -215,6 +231,7 @@ _ROWS = (
         -10,
         10,
         "volume swept by the plates: sum of lateral displacement x plate area",
+        compared=True,
     ),
     Quantity(
         "shoulder_displacement_m",
@@ -225,6 +242,7 @@ _ROWS = (
         "mean outward displacement of clumps that began within two ball radii of the plates: the bulge as the bed "
         "itself shows it, also where the plates are fixed or have lost touch",
         empty=True,
+        compared=True,
     ),
     Quantity("downward_mean_m", "m", "mean downward displacement", -10, 10, "of all clumps", empty=True),
     Quantity(
@@ -244,6 +262,7 @@ _ROWS = (
         10,
         "mean upward displacement of the clumps that began beside the sleeper, above its base",
         empty=True,
+        compared=True,
     ),
     Quantity(
         "sleeper_contacts",
@@ -263,6 +282,7 @@ _ROWS = (
         "contacts at the friction limit, of all",
         ("%", 100.0),
         True,
+        compared=True,
     ),
     Quantity(
         "at_limit_share",
@@ -273,6 +293,7 @@ _ROWS = (
         "contacts whose hysteretic dashpot is held at critical damping; empty where the law has no such limit",
         ("%", 100.0),
         empty=True,
+        compared=True,
     ),
     Quantity(
         "kinetic_energy_J", "J", "kinetic energy per clump", 0, 1e9, "mean, translation and rotation", ("mJ", 1e3), True
@@ -372,7 +393,9 @@ _ROWS = (
     Quantity("sliding", "-", "sliding", 0, 1, "1 where the shear force is at its limit"),
     # ------------------------------------------------------------------ what comparison derives from these
     Quantity("settlement_increment_m", "m", "settlement of the cycle", -10, 10, "what a cycle adds", empty=True),
-    Quantity("lateral_mean_m", "m", "lateral displacement, mean of plates", -10, 10, "mean of the five plates"),
+    Quantity(
+        "lateral_mean_m", "m", "lateral displacement, mean of plates", -10, 10, "mean of the five plates", compared=True
+    ),
     Quantity(
         "resilient_stroke_m",
         "m",
@@ -381,6 +404,7 @@ _ROWS = (
         10,
         "settlement at maximum load minus that at the minimum load after it: what springs back",
         empty=True,
+        compared=True,
     ),
     Quantity(
         "peak_acceleration_m_s2",
@@ -399,6 +423,7 @@ _ROWS = (
         1e15,
         "range of the sleeper's load over the resilient stroke",
         empty=True,
+        compared=True,
     ),
     Quantity(
         "loop_energy_J",
@@ -408,6 +433,7 @@ _ROWS = (
         1e9,
         "work of the load in a cycle: area of the loop of load against settlement",
         empty=True,
+        compared=True,
     ),
     Quantity("porosity_spread", "-", "range of the three porosities", 0, 1, "largest minus smallest", empty=True),
     Quantity(
@@ -437,13 +463,15 @@ def _members(row: Quantity) -> Iterable[Quantity]:
         return
     for k in SPHERES if row.name.startswith("porosity") else PLATES:
         label = row.label.replace("{}", str(k)).replace("{name}", SPHERE_NAMES[(k - 1) % len(SPHERE_NAMES)])
-        yield Quantity(
-            row.name.replace("{}", str(k)), row.unit, label, row.low, row.high, row.meaning, row.shown, row.empty
-        )
+        yield replace(row, name=row.name.replace("{}", str(k)), label=label)
 
 
 QUANTITIES: dict[str, Quantity] = {member.name: member for row in _ROWS for member in _members(row)}
 """Every quantity by its column name."""
+
+
+COMPARED = tuple(name for name, quantity in QUANTITIES.items() if quantity.compared)
+"""What the codes are compared by."""
 
 
 def row_of(pattern: str) -> tuple[str, ...]:

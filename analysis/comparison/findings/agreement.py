@@ -16,7 +16,7 @@ from scipy import stats
 
 from analysis.comparison import quantities, same_bed
 from analysis.comparison.findings.members import Member, groups
-from analysis.formats.quantities import CODES
+from analysis.formats.quantities import CODES, COMPARED
 
 CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """After which runs are compared, where they reach them."""
@@ -28,30 +28,6 @@ AGREES_WITHIN = 0.25
 what
 beds of one recipe differ by."""
 
-COMPARED = (
-    "settlement_m",
-    "settlement_peak_m",
-    "lateral_mean_m",
-    "resilient_stroke_m",
-    "secant_stiffness_N_m",
-    "loop_energy_J",
-    "porosity_1",
-    "porosity_2",
-    "porosity_3",
-    "coordination_number",
-    "overlap_mean_m",
-    "overlap_max_ratio",
-    "rotation_mean_rad",
-    "sliding_share",
-    "at_limit_share",
-    "bulge_volume_m3",
-    "shoulder_displacement_m",
-    "crib_heave_m",
-)
-"""What is compared. Left out: what is equal by construction (number of clumps, load) and what a run is held to
-(tracking
-error)."""
-
 VALUES = ("profile", "scenario", "reading", "code", "quantity", "cycle", "unit", "mean", "low", "high", "beds")
 
 
@@ -60,10 +36,7 @@ def run_values(m: Member, cycles: Sequence[int] = CYCLES) -> pd.DataFrame:
     reached = [n for n in cycles if n <= quantities.last_cycle(m.run)]
     table = quantities.after_cycles(m.run, reached)
     table = table[table["quantity"].isin(COMPARED) & table["cycle"].isin(reached)]
-    lateral = m.run.cycles.set_index("cycle")[[f"lateral_{k}_m" for k in range(1, 6)]].mean(axis=1, skipna=False)
-    rows = [("lateral_mean_m", n, "m", lateral.get(n, math.nan)) for n in reached]
-    columns = ["quantity", "cycle", "unit", "value"]
-    return pd.concat([table[columns], pd.DataFrame(rows, columns=columns)], ignore_index=True).dropna(subset=["value"])
+    return table[["quantity", "cycle", "unit", "value"]].dropna(subset=["value"])
 
 
 def seed_values(found: Iterable[Member]) -> pd.DataFrame:

@@ -12,7 +12,6 @@ import pandas as pd
 from analysis.comparison import quantities
 from analysis.comparison.findings.members import SERVO, Member
 from analysis.comparison.quantities import last_cycle
-from analysis.formats import file_columns
 from analysis.scenarios import derived
 
 TRACKING_AIM = {"linear": 0.01, "hysteretic": 0.02}
@@ -43,7 +42,7 @@ def coverage_table(found: Iterable[Member]) -> pd.DataFrame:
                 "cycles_wanted": m.run.scenario["loading.cycles"] if m.run.scenario is not None else math.nan,
                 "clumps": last["clumps"],
                 "settlement_m": last["settlement_m"],
-                "lateral_mean_m": last[[f"lateral_{k}_m" for k in file_columns.PLATES]].mean(),
+                "lateral_mean_m": quantities.lateral_mean(m.run.cycles).iloc[-1],
                 "step_s": derived.time_grid(m.run.scenario).step_s if m.run.scenario is not None else math.nan,
             }
         )

@@ -17,7 +17,6 @@ from analysis.report.style import CODE_NAMES, CODE_SIGNS, INK, SOFT, Canvas
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
-OUTSIDE = 0.16
 """Metres drawn around the box."""
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from analysis.comparison import codes, same_bed
-from analysis.comparison.findings.agreement import COMPARED
 from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD, member
+from analysis.formats.quantities import COMPARED
 from analysis.report.answer import engineer, only, states
 from analysis.report.figures.agreement import scatter_figure
 from analysis.report.figures.lateral import PROFILE_CYCLES

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from analysis.comparison import same_bed
-from analysis.comparison.findings.agreement import AGREES, COMPARED, DIFFERS
+from analysis.comparison.findings.agreement import AGREES, DIFFERS
 from analysis.formats.numbers import plural
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number, shown
@@ -31,7 +31,7 @@ def agreement_table(rows: pd.DataFrame, quantities: Sequence[str] = SHOWN, all_c
     if not all_cycles and len(rows):
         last = rows.groupby(["scenario", "reading"])["cycle"].transform("max")
         rows = rows[rows["cycle"] == last]
-    order = {name: n for n, name in enumerate(COMPARED)}
+    order = {name: n for n, name in enumerate(quantities)}
     rows = rows.sort_values(
         ["scenario", "reading", "quantity", "cycle"], key=lambda c: c.map(order) if c.name == "quantity" else c
     )
