@@ -126,7 +126,7 @@ setup: ## packages, Python environment and LIGGGHTS host, where missing
 	@$(MAKE) --silent -C liggghts
 
 # An environment whose Python was upgraded or removed below it still has its stamp: it is tried, not believed.
-$(STAMP): pyproject.toml $(if $(shell bash setup.sh works 2>&1),FORCE)
+$(STAMP): pyproject.toml setup.sh $(if $(shell bash setup.sh works 2>&1),FORCE)
 	@bash setup.sh environment
 
 clean: ## what was built; never results

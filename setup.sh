@@ -30,10 +30,19 @@ environment() {
         exit 1
     fi
     [[ -z $(works) ]] || { echo "setup: .venv cannot be used though it was made anew; try another Python with PYTHON=path" >&2; exit 1; }
+    # pip's own script takes a dollar in the path of the checkout for a variable
+    cat > .venv/bin/ballast << 'END'
+#!/bin/sh
+exec "$(dirname -- "$(readlink -f -- "$0")")/python" -m analysis "$@"
+END
     touch .venv/installed
 }
 
 install_packages() {
+    if [[ $PWD == *:* ]]; then
+        echo "setup: $PWD has a colon, at which PYTHONPATH would be cut; move the checkout to a folder without one" >&2
+        exit 1
+    fi
     if ! command -v dpkg-query > /dev/null; then
         if command -v yade > /dev/null && command -v mpicxx > /dev/null; then return; fi
         echo "setup: not a Debian system; install by hand: ${packages[*]}" >&2

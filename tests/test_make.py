@@ -164,8 +164,29 @@ def test_a_broken_environment_is_made_anew_and_results_stay(copy):
     assert (copy / "results" / "run.json").read_text() == "precious"
 
 
+def test_a_checkout_in_a_folder_with_a_colon_is_refused_in_one_line(copy):
+    moved = copy.rename(copy.with_name("my:study"))
+    done = set_up(moved, "packages")
+    assert done.returncode == 1 and done.stdout == "" and len(done.stderr.splitlines()) == 1
+    assert "has a colon" in done.stderr and not (moved / ".venv").exists()
+
+
 def test_the_environment_of_this_checkout_works():
     assert set_up(ROOT, "works").stdout == ""
+
+
+@pytest.mark.parametrize("name", ["$HOME", "it's", 'a "b"', "half #1", "näch%te", "`touch x`"])
+def test_the_command_of_the_environment_works_in_any_folder_and_through_a_link(tmp_path, name):
+    binaries = tmp_path / name / ".venv" / "bin"
+    binaries.mkdir(parents=True)
+    shutil.copy(Path(sys.executable).parent / "ballast", binaries)
+    (binaries / "python").write_text('#!/bin/sh\nprintf "%s|" "$@"\n')
+    (binaries / "python").chmod(0o755)
+    (tmp_path / "link").symlink_to(binaries / "ballast")
+    for command in (binaries / "ballast", tmp_path / "link"):
+        done = subprocess.run([command, "a b", "$HOME"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.stdout == "-m|analysis|a b|$HOME|" and done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([name, "link"])
 
 
 def test_the_host_is_built_again_when_the_library_is_another_one(tmp_path):

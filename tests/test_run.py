@@ -1,5 +1,6 @@
 """The driver alone, with an engine that computes nothing worth the time: resume, refuse, stop, fail."""
 
+import gzip
 import json
 import os
 import random
@@ -439,6 +440,39 @@ def test_a_file_that_is_no_bed_is_refused(tmp_path, text, said):
         path.write_text(text)
     done = drive(FAKE, *LINEAR, "--results", tmp_path / "results", "--bed", path)
     assert done.returncode == 1 and said in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+BOX = derived.apparatus(load_scenario("linear-mu0.8", "demo"))
+IN_THE_SLEEPER = [(low + high) / 2 for low, high in zip(BOX.sleeper.low, BOX.sleeper.high, strict=True)]
+
+
+@pytest.mark.parametrize(
+    "places, said",
+    [
+        ([(0.6, 0.3, 0.1), IN_THE_SLEEPER], "line 3 lies inside the sleeper"),
+        ([(0.6, 0.3, 0.1), (0.7, 0.3, 0.1), (0.6, 0.3, 0.1)], "line 4 overlaps the clump of line 2"),
+        ([(0.6, 0.3, 0.1), (0.602, 0.3, 0.1)], "line 3 overlaps the clump of line 2 by more than 0.5 of the radius"),
+        ([(0.6, 0.3, 0.1), (0.6, -0.001, 0.1)], "line 3 lies outside the box"),
+    ],
+)
+def test_a_bed_that_stones_cannot_form_is_refused_with_its_line(tmp_path, places, said):
+    path = tmp_path / "bed.csv.gz"
+    rows = "".join(",".join(map(str, (n, *at, 1, 0, 0, 0))) + "\n" for n, at in enumerate(places, start=1))
+    path.write_bytes(gzip.compress((HEADER + "\n" + rows).encode()))
+    done = drive(FAKE, *LINEAR, "--results", tmp_path / "results", "--bed", path)
+    assert done.returncode == 1 and said in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+@pytest.mark.parametrize("text", ["[]", '{"name": "x"', "", None])
+def test_a_scenario_that_cannot_be_read_beside_a_bed_is_named_in_one_line(undisturbed, tmp_path, text):
+    bed = tmp_path / "other" / "raw" / "bed_packed.csv"
+    bed.parent.mkdir(parents=True)
+    shutil.copy(undisturbed / "raw" / "bed_packed.csv", bed)
+    beside = tmp_path / "other" / "scenario.json"
+    beside.write_text(text) if text is not None else beside.mkdir()
+    done = drive(FAKE, *LINEAR, "--results", tmp_path / "results", "--bed", bed)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert f"{beside}: " in done.stderr and "move the bed file elsewhere" in done.stderr
 
 
 def test_a_bed_of_other_clumps_is_refused(undisturbed, tmp_path):
