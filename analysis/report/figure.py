@@ -122,6 +122,7 @@ class Gallery:
             families.setdefault(family, []).append(name)
         levels = {}
         for family, names in families.items():
+            names = _far_apart(names) if family == "other" else names
             for n, name in enumerate(names):
                 levels[name] = (family, 0.0 if len(names) == 1 else -1 + 2 * n / (len(names) - 1))
         return levels
@@ -191,6 +192,11 @@ class Gallery:
         figure = Figure(name, title, caption, panels, ids, _key(curves), list(pending), layout)
         self.figures.append(figure)
         return figure
+
+
+def _far_apart(names: Sequence[str]) -> list[str]:
+    """Names in an order in which neighbours are half the list apart: variants of one scenario are drawn together."""
+    return [*names[::2], *names[1::2]]
 
 
 def run_id(run: Run) -> str:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import jinja2
+from markupsafe import Markup, escape
 
 from analysis.formats.numbers import plural
 from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
@@ -34,7 +35,7 @@ def environment(**options) -> jinja2.Environment:
         undefined=jinja2.ChainableUndefined,
         **options,
     )
-    made.filters |= {"slug": slug, "symbols": symbols}
+    made.filters |= {"slug": slug, "symbols": symbols, "breaks": breaks}
     made.globals |= {
         "zip": zip,
         "number": number,
@@ -58,6 +59,11 @@ def environment(**options) -> jinja2.Environment:
 def slug(text: str) -> str:
     """A heading as an anchor."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+
+
+def breaks(key: str) -> Markup:
+    """A key that may break after its dot and its underscores, nowhere else."""
+    return Markup(re.sub(r"([._])", r"\1<wbr>", str(escape(key))))
 
 
 def symbols(text: str) -> str:

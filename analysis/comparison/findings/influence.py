@@ -48,7 +48,7 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
     rows = []
     for m in found:
         base = plain.get((*m.key, m.run.seed))
-        if base is None or not m.others or not m.own_bed or not one_thing_changed(base, m):
+        if base is None or not m.others or not m.own_bed or not one_thing_changed(base, m) or of_the_step(base, m):
             continue
         cycle = min(CYCLE, last_cycle(m.run), last_cycle(base.run))
         for quantity, unit, function in (
@@ -93,6 +93,12 @@ def one_thing_changed(base: Member, varied: Member) -> bool:
     except ScenarioError:
         return False
     return set(base.run.scenario.changed_keys(varied.run.scenario)) <= wanted
+
+
+def of_the_step(base: Member, varied: Member) -> bool:
+    """True for a variant of the time step alone: it is set beside rounding, not beside what the paper leaves out."""
+    changed = _changed(base.run.scenario_name, varied.run.scenario_name, base.run.profile)
+    return all(key.startswith("time.") for key in changed)
 
 
 @functools.cache

@@ -26,9 +26,8 @@ def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | N
     c = style.canvas(
         name,
         f"LIGGGHTS over YADE for every compared quantity, scenario and cycle, with 95 % intervals: {_counted(rows)}",
-        width=5.0,
         height=3.2,
-        right=1.3,
+        right=0.15,
     )
     at = 0
     ticks, labels = [], []
@@ -60,9 +59,9 @@ def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | N
     c.axes.minorticks_off()
     c.axes.set_xticks(ticks, [text.replace(" ", "\n", 1) for text in labels])
     c.axes.set_ylabel("LIGGGHTS over YADE")
-    for hue in ("linear", "nonlinear"):
-        c.labels.append((0, 1.1 if hue == "linear" else 0.9, f"{hue} model", style.shade(hue)))
-    c.leaders = False
+    for hue, up in (("linear", 0.97), ("nonlinear", 0.90)):
+        look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "top"}
+        c.axes.text(0.98, up, f"{hue} model", transform=c.axes.transAxes, **look)
     c.table = rows
     return g.finish(
         name,

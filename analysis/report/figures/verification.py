@@ -148,9 +148,11 @@ def _sketch(name: str, title: str, seen: Sketch) -> style.Canvas:
         zs.append(-0.35 * size)
     if seen.weight:
         c.axes.annotate("gravity", (0.9, 0.78), (0.9, 0.97), "axes fraction", arrowprops=ARROW, ha="center", fontsize=9)
-    c.axes.set_xlim(min(xs), max(xs))
-    c.axes.set_ylim(min(zs), max(zs))
-    c.axes.set_aspect("equal", adjustable="datalim")
+    box = c.axes.get_window_extent()
+    scale = max(np.ptp(xs) / box.width, np.ptp(zs) / box.height) / 2
+    for values, pixels, limit in ((xs, box.width, c.axes.set_xlim), (zs, box.height, c.axes.set_ylim)):
+        middle = (min(values) + max(values)) / 2
+        limit(middle - scale * pixels, middle + scale * pixels)
     c.axes.set_axis_off()
     c.table = pd.DataFrame([vars(disc) for disc in seen.discs])
     return c

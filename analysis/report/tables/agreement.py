@@ -66,8 +66,8 @@ def state_chip(row) -> Chip:
         return Chip(f"agrees within {number(row.within_ratio, 2, 100)} %", "good")
     if row.state == DIFFERS:
         return Chip("differs", "bad")
-    needed = row.beds_needed
-    wanted = f", needs {plural(int(needed), 'bed')} per code" if math.isfinite(needed) and needed <= 99 else ""
+    needed = max(row.beds_needed, 1 + min(row.liggghts_beds, row.yade_beds))
+    wanted = f", needs {plural(int(needed), 'bed')}" if math.isfinite(needed) and needed <= 99 else ""
     return Chip(f"cannot tell yet{wanted}", "calm")
 
 

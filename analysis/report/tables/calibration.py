@@ -34,7 +34,7 @@ def calibration_table(beds: pd.DataFrame, chosen: tuple[float, float]) -> Table:
             bed_cells(bed, (aspect, gap) == chosen) + settled_cells(bed, models, cycles)
             for (aspect, gap), bed in beds.groupby(["aspect", "lattice_gap_m"])
         ],
-        f"From `make calibrate`, seed {', '.join(map(str, sorted(set(beds['seed']))))}. Settlement in preload, and "
+        f"From make calibrate, seed {', '.join(map(str, sorted(set(beds['seed']))))}. Settlement in preload, and "
         "after it.",
     )
 
