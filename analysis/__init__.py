@@ -1,8 +1,8 @@
 """Analysis of sleeper settlement on railway ballast, the same for YADE and LIGGGHTS.
 
 The sub-packages follow the data: scenarios -> driver (runs the engines) -> normalised -> comparison (with reference)
--> report; verification stands beside them. Each says in its docstring what it may import. `laws` has the paper's
-contact laws, `files` how files are written.
+-> report; verification stands beside them. Each says in its docstring what it may import. `contact_laws` has the
+paper's contact laws, `files` how files are written.
 
     from analysis import load_runs
     runs = load_runs("results")

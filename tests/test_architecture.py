@@ -10,17 +10,17 @@ import pytest
 
 ANALYSIS = Path(__file__).resolve().parent.parent / "analysis"
 MAY_IMPORT = {
-    "laws": set(),
-    "laws_bond": set(),
+    "contact_laws": set(),
+    "bond_law": set(),
     "files": set(),
     "formats": {"files"},
     "arguments": set(),
-    "scenarios": {"formats", "laws", "laws_bond", "files"},
-    "normalised": {"formats", "scenarios", "laws", "laws_bond", "files"},
+    "scenarios": {"formats", "contact_laws", "bond_law", "files"},
+    "normalised": {"formats", "scenarios", "contact_laws", "bond_law", "files"},
     "driver": {"formats", "scenarios", "normalised", "reference", "files", "arguments"},
     "reference": {"formats", "scenarios", "files", "arguments"},
-    "comparison": {"formats", "reference", "normalised", "scenarios", "laws", "files"},
-    "docs": {"formats", "scenarios", "laws", "files", "arguments"},
+    "comparison": {"formats", "reference", "normalised", "scenarios", "contact_laws", "files"},
+    "docs": {"formats", "scenarios", "contact_laws", "files", "arguments"},
     "report": {
         "verification",
         "formats",
@@ -30,11 +30,11 @@ MAY_IMPORT = {
         "driver",
         "normalised",
         "scenarios",
-        "laws",
+        "contact_laws",
         "files",
         "arguments",
     },
-    "verification": {"formats", "driver", "normalised", "scenarios", "laws", "laws_bond", "files", "arguments"},
+    "verification": {"formats", "driver", "normalised", "scenarios", "contact_laws", "bond_law", "files", "arguments"},
 }
 MODULES = sorted(path for path in ANALYSIS.rglob("*.py") if path.parent != ANALYSIS or path.stem in MAY_IMPORT)
 

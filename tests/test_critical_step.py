@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.driver import refusal
 from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import RunError
@@ -57,8 +57,8 @@ def test_two_clumps_vibrate_along_or_across_their_contact(tmp_path):
 def test_a_hertz_contact_is_as_stiff_as_under_the_largest_stress(tmp_path):
     modulus, poisson = (HERTZ[f"contact.particle_particle.{key}"] for key in ("shear_modulus", "poisson_ratio"))
     rise = (HERTZ["loading.stress_max"] / HERTZ["preload.sleeper_stress"]) ** (1 / 3)
-    normal = 1.5 * laws.hertz_normal_force(OVERLAP, modulus, poisson, CLUMP.radius_m) / OVERLAP
-    shear = laws.mindlin_shear_stiffness(OVERLAP, modulus, poisson, CLUMP.radius_m)
+    normal = 1.5 * contact_laws.hertz_normal_force(OVERLAP, modulus, poisson, CLUMP.radius_m) / OVERLAP
+    shear = contact_laws.mindlin_shear_stiffness(OVERLAP, modulus, poisson, CLUMP.radius_m)
     arm = CLUMP.radius_m + CLUMP.half_distance_m
     expected = 2 / math.sqrt(rise * max(2 * normal / CLUMP.mass_kg, shear_rate(CLUMP.mass_kg, arm, shear)))
     assert step(tmp_path, HERTZ, *two_towers()) == pytest.approx(expected, rel=1e-9)

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.__main__ import COMMANDS
 from analysis.docs import design, method, sketch, write
 from analysis.files import ROOT
@@ -143,9 +143,9 @@ def test_each_equation_of_the_paper_is_in_the_method_and_in_the_laws():
 
 
 def test_equations_are_read_from_the_docstrings_of_the_laws():
-    assert method.equations_of(laws.shear_strength) == [4, 12]
-    assert method.equations_of(laws.hysteretic_dashpot_coefficient) == [14, 15]
-    assert method.equations_of(laws.effective_restitution) == []
+    assert method.equations_of(contact_laws.shear_strength) == [4, 12]
+    assert method.equations_of(contact_laws.hysteretic_dashpot_coefficient) == [14, 15]
+    assert method.equations_of(contact_laws.effective_restitution) == []
 
 
 def test_the_sketch_shows_the_numbers_of_its_scenario():

@@ -22,7 +22,7 @@ from yade.wrapper import (
 )
 
 import __main__
-from analysis import laws_bond
+from analysis import bond_law
 from analysis.files import write_aside
 from analysis.formats.file_columns import BONDS, header
 from analysis.scenarios import derived
@@ -84,7 +84,7 @@ class Bonds:
         self.check()
         return json.dumps({"made": self.made, "start": self.start, "broken": self.broken})
 
-    def _law(self, interaction) -> laws_bond.Bond:
+    def _law(self, interaction) -> bond_law.Bond:
         return derived.bond(self.scenario, interaction.geom.refR1, interaction.geom.refR2)
 
     def _entry(self, interaction):
@@ -134,19 +134,19 @@ class Bonds:
         self._alive = alive
 
     @staticmethod
-    def _broken_now(interaction, law: laws_bond.Bond) -> str:
+    def _broken_now(interaction, law: bond_law.Bond) -> str:
         """The mode in which a bond has broken or must break, or an empty text. The law lets go of one broken in tension
         and keeps one broken in shear with its stiffness."""
         if not holds(interaction):
             sheared = interaction.isReal and interaction.phys.kn > 0.5 * law.normal_stiffness * law.area
-            return laws_bond.SHEAR if sheared else laws_bond.TENSION
+            return bond_law.SHEAR if sheared else bond_law.TENSION
         tensile, shear = (
             s / limit
             for s, limit in zip(stress_of(interaction, law), (law.tensile_strength, law.shear_strength), strict=True)
         )
         if max(tensile, shear) < 1:
             return ""
-        return laws_bond.TENSION if tensile >= shear else laws_bond.SHEAR
+        return bond_law.TENSION if tensile >= shear else bond_law.SHEAR
 
     def count(self) -> int:
         """Number of bonds that hold."""
@@ -168,12 +168,12 @@ class Bonds:
         write_aside(path, header(BONDS) + "".join(line + "\n" for line in lines))
 
 
-def stress_of(interaction, law: laws_bond.Bond) -> tuple[float, float]:
+def stress_of(interaction, law: bond_law.Bond) -> tuple[float, float]:
     """Greatest tensile and shear stress of a bond, Pa."""
     geom, phys = interaction.geom, interaction.phys
     twist = phys.moment_twist.norm()
-    state = laws_bond.BondState(0.0, phys.normalForce.dot(geom.normal), phys.shearForce, twist, phys.moment_bending)
-    return laws_bond.stresses(law, state)
+    state = bond_law.BondState(0.0, phys.normalForce.dot(geom.normal), phys.shearForce, twist, phys.moment_bending)
+    return bond_law.stresses(law, state)
 
 
 def touching(centres: np.ndarray, radii: np.ndarray) -> list[tuple[int, int]]:

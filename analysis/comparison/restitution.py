@@ -6,7 +6,7 @@ import math
 
 import pandas as pd
 
-from analysis import laws
+from analysis import contact_laws
 
 
 def restitution_table(restitutions=(0.0, 0.3, 0.6, 0.9, 1.0)) -> pd.DataFrame:
@@ -17,8 +17,10 @@ def restitution_table(restitutions=(0.0, 0.3, 0.6, 0.9, 1.0)) -> pd.DataFrame:
     rows = []
     for mode in (0, 1, 2):
         for nominal in restitutions:
-            factor = laws.damping_factor(mode, nominal) if (mode, nominal) != (0, 0.0) else math.nan
-            rows.append((mode, nominal, factor, math.nan if math.isnan(factor) else laws.effective_restitution(factor)))
+            factor = contact_laws.damping_factor(mode, nominal) if (mode, nominal) != (0, 0.0) else math.nan
+            rows.append(
+                (mode, nominal, factor, math.nan if math.isnan(factor) else contact_laws.effective_restitution(factor))
+            )
     return pd.DataFrame(
         rows, columns=["damping_mode", "nominal_restitution", "damping_factor", "effective_restitution"]
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import jinja2
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.formats import numbers
 from analysis.formats.markdown import table
 from analysis.scenarios import derived, deviations
@@ -45,10 +45,10 @@ def equations_of(function) -> list[int]:
 
 
 def equation_functions() -> dict[int, list[str]]:
-    """Equation -> the functions of analysis/laws.py that are it."""
+    """Equation -> the functions of analysis/contact_laws.py that are it."""
     found: dict[int, list[str]] = {number: [] for number in EQUATIONS}
-    for name, function in inspect.getmembers(laws, inspect.isfunction):
-        if function.__module__ == laws.__name__:
+    for name, function in inspect.getmembers(contact_laws, inspect.isfunction):
+        if function.__module__ == contact_laws.__name__:
             for number in equations_of(function):
                 found[number].append(name)
     return found
@@ -56,7 +56,7 @@ def equation_functions() -> dict[int, list[str]]:
 
 def _equations() -> str:
     rows = [[str(number), ", ".join(f"`{name}`" for name in names)] for number, names in equation_functions().items()]
-    return table(["equation", "function in [analysis/laws.py](../analysis/laws.py)"], rows)
+    return table(["equation", "function in [analysis/contact_laws.py](../analysis/contact_laws.py)"], rows)
 
 
 def _deviations() -> str:

@@ -387,7 +387,7 @@ _ROWS = (
     Quantity("normal_force_N", "N", "normal force", -1e8, 1e8, "repulsive positive, dashpot included"),
     Quantity("shear_force_N", "N", "shear force", 0, 1e8, "magnitude"),
     Quantity("broken", "-", "broken", 0, 1, "1 for a bond that is broken"),
-    Quantity("mode", "-", "mode of breakage", 0, 9, "how a bond broke: laws_bond.TENSION or SHEAR", empty=True),
+    Quantity("mode", "-", "mode of breakage", 0, 9, "how a bond broke: bond_law.TENSION or SHEAR", empty=True),
     Quantity("tensile_stress_Pa", "Pa", "tensile stress of a bond", -1e12, 1e12, "greatest, 0 once broken"),
     Quantity("shear_stress_Pa", "Pa", "shear stress of a bond", -1e12, 1e12, "greatest, 0 once broken"),
     Quantity("sliding", "-", "sliding", 0, 1, "1 where the shear force is at its limit"),

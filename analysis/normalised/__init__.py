@@ -2,4 +2,4 @@
 on each bed, and the readers that turn run folders into data frames.
 
 The driver calls `normalise` cycle by cycle; everything downstream reads runs through `readers`. Imports from this
-package: `formats`, `scenarios`, `laws`, `laws_bond` and `analysis.files`."""
+package: `formats`, `scenarios`, `contact_laws`, `bond_law` and `analysis.files`."""

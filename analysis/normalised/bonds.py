@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 
 from analysis import files
+from analysis.bond_law import SHEAR, TENSION
 from analysis.formats import file_columns, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.growing_csv import GrowingCsv
-from analysis.laws_bond import SHEAR, TENSION
 from analysis.scenarios import derived
 
 COUNTS, BROKEN = "bonds.csv", "bonds_broken.csv"

@@ -23,7 +23,7 @@ import pandas as pd
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.formats.quantities import PLATES
 from analysis.normalised import beds, microstructure
 from analysis.scenarios import derived
@@ -123,8 +123,8 @@ def _stiffnesses(contacts: pd.DataFrame, scenario, rise: float) -> np.ndarray:
             scenario[f"contact.particle_particle.{name}"] for name in ("shear_modulus", "poisson_ratio")
         )
         radius, root = derived.clump(scenario).radius_m, np.sqrt(contacts["overlap_m"].to_numpy())
-        normal = rise * 1.5 * laws.hertz_coefficient(modulus, poisson, radius) * root
-        shear = rise * laws.mindlin_shear_stiffness(1.0, modulus, poisson, radius) * root
+        normal = rise * 1.5 * contact_laws.hertz_coefficient(modulus, poisson, radius) * root
+        shear = rise * contact_laws.mindlin_shear_stiffness(1.0, modulus, poisson, radius) * root
     normal = np.where(at_wall, scenario["contact.particle_wall.normal_stiffness"], normal)
     shear = np.where(at_wall, scenario["contact.particle_wall.shear_stiffness"], shear)
     return np.stack([normal, shear, shear], axis=1)

@@ -2,5 +2,5 @@
 grid, start lattice, the parameters in both engines' terms.
 
 YADE's Python imports these modules under the system's Python, so they need the standard library only (numpy for
-`analysis.laws` and `analysis.laws_bond`). Imports from this package: `formats`, `analysis.laws`,
-`analysis.laws_bond` and `analysis.files`."""
+`analysis.contact_laws` and `analysis.bond_law`). Imports from this package: `formats`, `analysis.contact_laws`,
+`analysis.bond_law` and `analysis.files`."""

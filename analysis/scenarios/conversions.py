@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -42,40 +42,42 @@ def _dashpot_mass(s: Scenario) -> float:
 
 
 def _pair_mass(s: Scenario) -> float:
-    return laws.effective_mass(_dashpot_mass(s), _dashpot_mass(s))
+    return contact_laws.effective_mass(_dashpot_mass(s), _dashpot_mass(s))
 
 
 def _hertz(s: Scenario) -> float:
     radius = derived.clump(s).radius_m
-    return laws.hertz_coefficient(
-        s[PP + "shear_modulus"], s[PP + "poisson_ratio"], laws.effective_radius(radius, radius)
+    return contact_laws.hertz_coefficient(
+        s[PP + "shear_modulus"], s[PP + "poisson_ratio"], contact_laws.effective_radius(radius, radius)
     )
 
 
 def _mindlin(s: Scenario) -> float:
     radius = derived.clump(s).radius_m
-    return laws.mindlin_shear_stiffness(
-        1.0, s[PP + "shear_modulus"], s[PP + "poisson_ratio"], laws.effective_radius(radius, radius)
+    return contact_laws.mindlin_shear_stiffness(
+        1.0, s[PP + "shear_modulus"], s[PP + "poisson_ratio"], contact_laws.effective_radius(radius, radius)
     )
 
 
 def viscous_restitution(s: Scenario) -> float:
     """Restitution at which YADE's viscous Hertz dashpot stands in for the hysteretic one: that of a free impact."""
-    factor = laws.damping_factor(s[PP + "damping_mode"], s[PP + "restitution"])
-    return laws.hysteretic_restitution(factor, s["contact.dashpot_limit"]) if factor else 1.0
+    factor = contact_laws.damping_factor(s[PP + "damping_mode"], s[PP + "restitution"])
+    return contact_laws.hysteretic_restitution(factor, s["contact.dashpot_limit"]) if factor else 1.0
 
 
 def viscous_damping_ratio(s: Scenario) -> float:
     """Share of critical damping of that dashpot; 0 without damping."""
-    return laws.viscous_hertz_damping_ratio(viscous_restitution(s))
+    return contact_laws.viscous_hertz_damping_ratio(viscous_restitution(s))
 
 
 def _wall_dashpot(s: Scenario) -> float:
-    return laws.linear_dashpot_coefficient(s[PW + "damping_ratio"], _dashpot_mass(s), s[PW + "normal_stiffness"])
+    return contact_laws.linear_dashpot_coefficient(
+        s[PW + "damping_ratio"], _dashpot_mass(s), s[PW + "normal_stiffness"]
+    )
 
 
 def _pair_dashpot(s: Scenario) -> float:
-    return laws.linear_dashpot_coefficient(s[PP + "damping_ratio"], _pair_mass(s), s[PP + "normal_stiffness"])
+    return contact_laws.linear_dashpot_coefficient(s[PP + "damping_ratio"], _pair_mass(s), s[PP + "normal_stiffness"])
 
 
 CONVERSIONS = (

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from analysis import laws_bond
+    from analysis import bond_law
 
 
 @dataclass(frozen=True)
@@ -172,15 +172,15 @@ def pfc_time_step(s) -> float:
     return s["load_control.pfc_time_step"] or time_grid(s).step_s
 
 
-def bond(s, radius_1_m: float = 0.0, radius_2_m: float = 0.0) -> laws_bond.Bond | None:
+def bond(s, radius_1_m: float = 0.0, radius_2_m: float = 0.0) -> bond_law.Bond | None:
     """The parallel bond between two spheres, by default the clump's; None where the scenario has no bonds."""
     if s["contact.bond.model"] == "none":
         return None
-    from analysis import laws_bond  # here: without bonds the loader needs the standard library only
+    from analysis import bond_law  # here: without bonds the loader needs the standard library only
 
     own = clump(s).radius_m
-    return laws_bond.bond(
-        laws_bond.bond_radius(s["contact.bond.radius_multiplier"], radius_1_m or own, radius_2_m or own),
+    return bond_law.bond(
+        bond_law.bond_radius(s["contact.bond.radius_multiplier"], radius_1_m or own, radius_2_m or own),
         *(
             s[f"contact.bond.{key}"]
             for key in ("normal_stiffness", "shear_stiffness", "normal_strength", "shear_strength", "reading")

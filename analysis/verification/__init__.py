@@ -2,5 +2,5 @@
 without them, any impact of a user's own, and wrong laws that the cases must notice.
 
 It stands beside the flow: nothing imports it, the report reads the files that it writes. Imports from this package:
-`formats`, `driver`, `normalised`, `scenarios`, `analysis.laws`, `analysis.laws_bond`,
+`formats`, `driver`, `normalised`, `scenarios`, `analysis.contact_laws`, `analysis.bond_law`,
 `analysis.arguments` and `analysis.files`."""

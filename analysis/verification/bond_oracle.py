@@ -1,6 +1,6 @@
 """What bonded spheres should do: forces along a prescribed motion, and a chain of bonded spheres as a linear system.
 
-The laws come from `analysis.laws` and `analysis.laws_bond`; all else is independent of the engines. SI units.
+The laws come from `analysis.contact_laws` and `analysis.bond_law`; all else is independent of the engines. SI units.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import laws, laws_bond
+from analysis import bond_law, contact_laws
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Loads:
 def loads_along(bond, contact, radii, places, velocities, spins, step: float) -> Loads:
     """Bond and linear contact of two spheres that are moved in a prescribed way.
 
-    bond, contact -- laws_bond.Bond, made before the first step, and oracle.Linear without dashpot
+    bond, contact -- bond_law.Bond, made before the first step, and oracle.Linear without dashpot
     radii -- of both spheres, m
     places -- centres before the first step and after each, shape (n + 1, 2, 3), m
     velocities, spins -- in each step, shape (n, 2, 3), m/s and rad/s
@@ -42,7 +42,7 @@ def loads_along(bond, contact, radii, places, velocities, spins, step: float) ->
     apart = places[:, 0] - places[:, 1]
     distances = np.linalg.norm(apart, axis=1)
     normals = apart / distances[:, None]
-    state = laws_bond.BondState(distances[0])
+    state = bond_law.BondState(distances[0])
     slip_force, broken_at = np.zeros(3), -1
     for n in range(steps):
         distance, normal = distances[n + 1], normals[n + 1]
@@ -53,7 +53,7 @@ def loads_along(bond, contact, radii, places, velocities, spins, step: float) ->
         relative = relative - np.cross(first, arms[0] * normal) - np.cross(second, arms[1] * normal)
         mean_turn = (first + second) / 2 * step
         was_broken = bool(state.broken)
-        laws_bond.advance(bond, state, distance, normal, relative * step, (first - second) * step, mean_turn)
+        bond_law.advance(bond, state, distance, normal, relative * step, (first - second) * step, mean_turn)
         if state.broken and not was_broken:
             broken_at = n
         shear = state.shear_force.copy()
@@ -62,19 +62,19 @@ def loads_along(bond, contact, radii, places, velocities, spins, step: float) ->
             sliding = (relative - np.dot(relative, normal) * normal) * step
             if sum(radii) - distances[n] <= 0:
                 slip_force = np.zeros(3)
-                sliding = sliding * laws.closing_share(overlap, sum(radii) - distances[n])
+                sliding = sliding * contact_laws.closing_share(overlap, sum(radii) - distances[n])
             elastic = contact.elastic(overlap)
-            old = laws_bond.carried(slip_force, normal, mean_turn)
-            trial = laws.trial_shear_force(old, contact.shear_stiffness, sliding)
-            slip_force = laws.slip(trial, laws.shear_strength(contact.friction, elastic))
+            old = bond_law.carried(slip_force, normal, mean_turn)
+            trial = contact_laws.trial_shear_force(old, contact.shear_stiffness, sliding)
+            slip_force = contact_laws.slip(trial, contact_laws.shear_strength(contact.friction, elastic))
             normal_force += elastic
             shear += slip_force
             contact_energy[n] = elastic * overlap / 2
         moment = state.twisting_moment * normal + state.bending_moment
         force[n] = normal_force * normal + shear
         torque[n] = np.cross(-arms[0] * normal, shear) + moment
-        bond_energy[n] = laws_bond.elastic_energy(bond, state)
-        stress[n] = laws_bond.stresses(bond, state)
+        bond_energy[n] = bond_law.elastic_energy(bond, state)
+        stress[n] = bond_law.stresses(bond, state)
     return Loads(force, torque, bond_energy, contact_energy, stress[:, 0], stress[:, 1], broken_at, state.broken)
 
 
@@ -85,7 +85,7 @@ class Chain:
     A bond of length L between spheres i and j sees the slide w_j - w_i - L (t_i + t_j)/2 and the bend t_j - t_i.
     """
 
-    bond: laws_bond.Bond
+    bond: bond_law.Bond
     length: float
     """Distance of neighbours, m."""
     mass: float

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.scenarios.conversions import viscous_restitution
 from analysis.scenarios.deviations import BOND_CHECK_STEPS
 from analysis.scenarios.scenario import Scenario
@@ -68,7 +68,7 @@ class EngineLaws:
             return oracle.Linear(
                 get["normal_stiffness"], get["shear_stiffness"], get["friction"], get["damping_ratio"], mass
             )
-        factor = laws.damping_factor(get["damping_mode"], get["restitution"])
+        factor = contact_laws.damping_factor(get["damping_mode"], get["restitution"])
         elastic = (get["shear_modulus"], get["poisson_ratio"], radius, get["friction"])
         return self._hysteretic(scenario, elastic, factor, mass)
 

@@ -35,7 +35,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.formats import toml_file
 from analysis.formats.errors import InputError
 from analysis.scenarios import derived
@@ -125,13 +125,15 @@ class Impact:
         first = self.balls[0]
         if self.against == "wall":
             return wall_law(self.scenario, first.mass)
-        return engine.pair(self.scenario, self.effective_mass, laws.effective_radius(*(b.radius for b in self.balls)))
+        return engine.pair(
+            self.scenario, self.effective_mass, contact_laws.effective_radius(*(b.radius for b in self.balls))
+        )
 
     @property
     def effective_mass(self) -> float:
         """Of the two bodies, kg; that of the first against a plane or a wall."""
         masses = [ball.mass for ball in self.balls]
-        return laws.effective_mass(*masses) if len(masses) == 2 else masses[0]
+        return contact_laws.effective_mass(*masses) if len(masses) == 2 else masses[0]
 
     def probe(self) -> Probe:
         """The case as a probe: 3000 steps in contact, and a few before and after."""
@@ -283,7 +285,7 @@ def _moduli(refuse: Refuse, given: dict, against: str, changes: dict) -> dict[st
         of["body_2"] = {"shear_modulus": math.inf, "poisson_ratio": of["body_1"].get("poisson_ratio", 0.0)}
     if any(len(material) < 2 for material in of.values()):
         raise refuse(first, given[first], "shear_modulus or young_modulus, and poisson_ratio, of both bodies")
-    shear, poisson = laws.equivalent_material(
+    shear, poisson = contact_laws.equivalent_material(
         *(of[body][name] for body in of for name in ("shear_modulus", "poisson_ratio"))
     )
     for name in ("shear_modulus", "poisson_ratio"):
@@ -303,9 +305,9 @@ def _damping(refuse: Refuse, given: dict, against: str, scenario: Scenario) -> d
     if key in given:
         raise refuse(key, given[key], "impact.restitution, which comes out, or this, not both")
     if linear:
-        return {key.replace(".", "__"): laws.damping_ratio_of(restitution) if restitution < 1 else 0.0}
+        return {key.replace(".", "__"): contact_laws.damping_ratio_of(restitution) if restitution < 1 else 0.0}
     try:
-        nominal = laws.nominal_restitution(scenario["contact.particle_particle.damping_mode"], restitution)
+        nominal = contact_laws.nominal_restitution(scenario["contact.particle_particle.damping_mode"], restitution)
     except ValueError as error:
         raise refuse("impact.restitution", restitution, str(error)) from None
     return {key.replace(".", "__"): nominal}

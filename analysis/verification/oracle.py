@@ -1,7 +1,7 @@
 """What the engines should do in small cases, computed without them: scipy integrates the equations of motion.
 
-The laws come from `analysis.laws`; the integration, the search for the moments at which contacts close, slip, stick and
-open, and the rigid-body motion are independent of both engines. Everything is in SI units.
+The laws come from `analysis.contact_laws`; the integration, the search for the moments at which contacts close, slip,
+stick and open, and the rigid-body motion are independent of both engines. Everything is in SI units.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analysis import laws
+from analysis import contact_laws
 
 TIGHT = {"rtol": 1e-10, "method": "DOP853"}
 
@@ -29,7 +29,7 @@ class Linear:
     mass: float = 1.0
 
     def elastic(self, overlap: float) -> float:
-        return laws.linear_normal_force(overlap, self.normal_stiffness)
+        return contact_laws.linear_normal_force(overlap, self.normal_stiffness)
 
     def elastic_slope(self, overlap: float) -> float:
         return self.normal_stiffness
@@ -41,7 +41,7 @@ class Linear:
         """Normal force at this closing speed, in tension too where the dashpot pulls."""
         if overlap <= 0:
             return 0.0
-        return self.elastic(overlap) + speed * laws.linear_dashpot_coefficient(
+        return self.elastic(overlap) + speed * contact_laws.linear_dashpot_coefficient(
             self.damping_ratio, self.mass, self.normal_stiffness
         )
 
@@ -58,24 +58,26 @@ class Hysteretic:
     mass: float = 1.0
 
     def elastic(self, overlap: float) -> float:
-        return laws.hertz_normal_force(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
+        return contact_laws.hertz_normal_force(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
 
     def elastic_slope(self, overlap: float) -> float:
         return (
             1.5
-            * laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius)
+            * contact_laws.hertz_coefficient(self.shear_modulus, self.poisson_ratio, self.radius)
             * math.sqrt(max(overlap, 0))
         )
 
     def shear_slope(self, overlap: float) -> float:
-        return laws.mindlin_shear_stiffness(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
+        return contact_laws.mindlin_shear_stiffness(overlap, self.shear_modulus, self.poisson_ratio, self.radius)
 
     def normal(self, overlap: float, speed: float, approach_speed: float) -> float:
         if overlap <= 0:
             return 0.0
         elastic = self.elastic(overlap)
-        dashpot, _ = laws.hysteretic_dashpot_coefficient(self.factor, elastic, approach_speed, overlap, self.mass)
-        return laws.hysteretic_normal_force(elastic, dashpot, speed)
+        dashpot, _ = contact_laws.hysteretic_dashpot_coefficient(
+            self.factor, elastic, approach_speed, overlap, self.mass
+        )
+        return contact_laws.hysteretic_normal_force(elastic, dashpot, speed)
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ class ViscousHertz(Hysteretic):
         if overlap <= 0:
             return 0.0
         stiffness = self.elastic_slope(overlap)
-        dashpot = 2 * laws.viscous_hertz_damping_ratio(self.restitution) * math.sqrt(self.mass * stiffness)
+        dashpot = 2 * contact_laws.viscous_hertz_damping_ratio(self.restitution) * math.sqrt(self.mass * stiffness)
         return max(0.0, self.elastic(overlap) + dashpot * speed)
 
 
@@ -176,14 +178,14 @@ def forces_along(
         if old <= 0:
             force, approach = 0.0, speed
             if closing_scaled:
-                slid = slid * laws.closing_share(now, old)
+                slid = slid * contact_laws.closing_share(now, old)
         normal[n] = law.normal(now, speed, approach)
         stiffness = law.shear_slope(now)
         if by_displacement:
             force = -stiffness * shift
-        trial = laws.trial_shear_force([force], stiffness, [slid])
+        trial = contact_laws.trial_shear_force([force], stiffness, [slid])
         limiting = abs(normal[n]) if slip_by_total else law.elastic(now)
-        shear[n] = force = float(laws.slip(trial, laws.shear_strength(law.friction, limiting))[0])
+        shear[n] = force = float(contact_laws.slip(trial, contact_laws.shear_strength(law.friction, limiting))[0])
         shift = -force / stiffness
     return normal, shear
 
@@ -215,9 +217,9 @@ class _Contacts:
     the sticking rate would exceed the limit's rate. An open contact has no force.
     """
 
-    def __init__(self, contact_laws):
-        self.laws = contact_laws
-        self.approach = [0.0] * len(contact_laws)
+    def __init__(self, laws):
+        self.laws = laws
+        self.approach = [0.0] * len(laws)
 
     def integrate(self, kinematics, motion, start: np.ndarray, times: np.ndarray, closed=None):
         """Return shear forces (len(times), contacts) and states (len(times), len(start)).
@@ -378,13 +380,13 @@ class Body:
         )
 
 
-def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, gravity: float = 0.0):
+def bounce(body: Body, laws, start, duration: float, points: int = 200, gravity: float = 0.0):
     """A rigid body bounces on the wall z = 0. Rotation is positive from z to x (about +y).
 
     `start` = (x, z, angle, v_x, v_z, spin). Returns times (n), states (n, 6) and shear forces (n, members).
     """
     times = np.linspace(0, duration, points)
-    shears, states = _Contacts(contact_laws).integrate(
+    shears, states = _Contacts(laws).integrate(
         lambda t, state: body.kinematics(state),
         lambda t, state, forces: np.concatenate([state[3:6], body.acceleration(state, forces, gravity)]),
         np.asarray(start, float),
@@ -395,7 +397,7 @@ def bounce(body: Body, contact_laws, start, duration: float, points: int = 200, 
 
 def bounce_in_steps(
     body: Body,
-    contact_laws,
+    laws,
     start,
     step: float,
     steps: int,
@@ -410,12 +412,12 @@ def bounce_in_steps(
     The error is of the order of `step`. Returns states (n, 6), of step 0 and each `every` steps.
     """
     state = np.asarray(start, float).copy()
-    shears, approach = [0.0] * len(contact_laws), [0.0] * len(contact_laws)
+    shears, approach = [0.0] * len(laws), [0.0] * len(laws)
     before = [overlap for overlap, *_ in body.levers(state)]
     states = [state.copy()]
     for n in range(1, steps + 1):
         forces = []
-        for k, (law, (overlap, closing, sliding)) in enumerate(zip(contact_laws, body.kinematics(state), strict=True)):
+        for k, (law, (overlap, closing, sliding)) in enumerate(zip(laws, body.kinematics(state), strict=True)):
             if overlap <= 0:
                 shears[k], before[k] = 0.0, overlap
                 forces.append((0.0, 0.0))
@@ -424,7 +426,7 @@ def bounce_in_steps(
             if before[k] <= 0:
                 approach[k] = closing
                 if closing_scaled:
-                    moved *= laws.closing_share(overlap, before[k])
+                    moved *= contact_laws.closing_share(overlap, before[k])
             normal = law.normal(overlap, closing, approach[k])
             limit = law.friction * (abs(normal) if slip_by_total else law.elastic(overlap))
             shears[k] = min(limit, max(-limit, shears[k] - law.shear_slope(overlap) * moved))

@@ -1,5 +1,5 @@
 // The parallel bond of Potyondy and Cundall (2004) as plain formulas; the same in words and in Python:
-// analysis/laws_bond.py. SI units. Body 1 against body 2: the normal points from body 2 to body 1, forces and moments
+// analysis/bond_law.py. SI units. Body 1 against body 2: the normal points from body 2 to body 1, forces and moments
 // act on body 1.
 #ifndef BALLAST_BOND_LAW_H
 #define BALLAST_BOND_LAW_H

@@ -25,7 +25,8 @@ inline NormalResponse linear_normal(double overlap, double closing_speed, double
   return {elastic, elastic + dashpot, shear_stiffness, 0.0};
 }
 
-/// Damping factor D of eq. 16, as repaired in analysis/laws.py: 0 Gonthier, 1 Lankarani-Nikravesh, 2 Zhiying-Qishao.
+/// Damping factor D of eq. 16, as repaired in analysis/contact_laws.py: 0 Gonthier, 1 Lankarani-Nikravesh, 2
+/// Zhiying-Qishao.
 inline double damping_factor(double restitution, int damping_mode) {
   const double loss = 1.0 - restitution * restitution;
   if (damping_mode == 0) return loss / restitution;

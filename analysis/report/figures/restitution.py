@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import MODE_NAMES
@@ -23,8 +23,8 @@ def restitution_figure(g: Gallery) -> Figure:
     for mode in (0, 1, 2):
         colour, text = style.shade(f"md{mode}"), f"Md {mode}, {MODE_NAMES[mode].split('–')[0]}"
         e = nominal[1:] if mode == 0 else nominal
-        d = np.array([laws.damping_factor(mode, float(v)) for v in e])
-        out = np.array([laws.effective_restitution(float(v)) for v in d])
+        d = np.array([contact_laws.damping_factor(mode, float(v)) for v in e])
+        out = np.array([contact_laws.effective_restitution(float(v)) for v in d])
         factor.axes.plot(e, d, color=colour)
         effect.axes.plot(e, out, color=colour)
         for c in (factor, effect):

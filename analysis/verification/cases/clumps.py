@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
@@ -242,7 +242,7 @@ class Bounces(ProbedCase):
                 results.compare(
                     self.name,
                     f"restitution of {name}",
-                    laws.dashpot_restitution(law.damping_ratio),
+                    contact_laws.dashpot_restitution(law.damping_ratio),
                     -measured[1] / start[4],
                     0.005,
                     "closed form with the mass of the whole clump",
@@ -286,7 +286,7 @@ class Pairs(ProbedCase):
             ("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
             ("hysteretic", damped),
         ):
-            law = self.engine.pair(scenario, mass, laws.effective_radius(radius, radius))
+            law = self.engine.pair(scenario, mass, contact_laws.effective_radius(radius, radius))
             step = oracle.head_on(law, self.SPEED).duration_s / 2000
             reach = radius + self.clump.half_distance_m + 10.2 * step * self.SPEED
             clumps = tuple(
@@ -414,7 +414,7 @@ class Column(ProbedCase):
         elastic = np.zeros(len(found.time))
         floor = np.maximum(r - found.position[:, :, 2], 0.0)
         elastic += 0.5 * probe.scenario["contact.particle_wall.normal_stiffness"] * (floor**2).sum(axis=1)
-        pair = PAPER.pair(probe.scenario, mass / 2, laws.effective_radius(r, r))
+        pair = PAPER.pair(probe.scenario, mass / 2, contact_laws.effective_radius(r, r))
         for i in range(found.position.shape[1]):
             for j in range(i + 1, found.position.shape[1]):
                 if i // 2 == j // 2:
@@ -424,7 +424,9 @@ class Column(ProbedCase):
                     elastic += 0.5 * pair.normal_stiffness * overlap**2
                 else:
                     elastic += (
-                        0.4 * laws.hertz_coefficient(pair.shear_modulus, pair.poisson_ratio, pair.radius) * overlap**2.5
+                        0.4
+                        * contact_laws.hertz_coefficient(pair.shear_modulus, pair.poisson_ratio, pair.radius)
+                        * overlap**2.5
                     )
         return kinetic, potential, elastic
 
@@ -470,7 +472,7 @@ def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: floa
     Slip is what is left of the shear displacement of a step after its elastic part, the change of force over k_s.
     """
     slip, dashpot = np.zeros(len(found.time)), np.zeros(len(found.time))
-    coefficient = laws.linear_dashpot_coefficient(law.damping_ratio, law.mass, law.normal_stiffness)
+    coefficient = contact_laws.linear_dashpot_coefficient(law.damping_ratio, law.mass, law.normal_stiffness)
     for k in range(found.position.shape[1]):
         place, spin, force = found.position[:, k], found.spin[:, k], found.force[:, k]
         overlap = radius - place[:, 2]

@@ -8,7 +8,7 @@ from abc import abstractmethod
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
@@ -159,13 +159,13 @@ class HeadOn(Impacts):
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         clump = derived.clump(linear)
         mass, radius = (
-            laws.effective_mass(clump.mass_kg, clump.mass_kg),
-            laws.effective_radius(clump.radius_m, clump.radius_m),
+            contact_laws.effective_mass(clump.mass_kg, clump.mass_kg),
+            contact_laws.effective_radius(clump.radius_m, clump.radius_m),
         )
         for speed in (0.1, 1.0):
             law = self.engine.pair(linear, mass, radius)
             probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
-            self.add(probe, law, speed, expected=laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
+            self.add(probe, law, speed, expected=contact_laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
             for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
                 scenario = with_values(
                     nonlinear,
@@ -174,13 +174,13 @@ class HeadOn(Impacts):
                     contact__particle_particle__restitution=nominal,
                 )
                 law = self.engine.pair(scenario, mass, radius)
-                factor = laws.damping_factor(mode, nominal)
+                factor = contact_laws.damping_factor(mode, nominal)
                 name = f"md{mode}-en{nominal:g}-{speed:g}"
                 closed = _hysteretic_closed_form(mass, law, factor, speed)
                 paper, reason = dict(closed), ""
                 if isinstance(law, oracle.ViscousHertz):
                     closed = {
-                        "restitution": laws.hysteretic_restitution(factor)
+                        "restitution": contact_laws.hysteretic_restitution(factor)
                     }  # of the paper's law, not of what stands in
                     own = oracle.head_on(law, speed)
                     reason = (
@@ -191,7 +191,7 @@ class HeadOn(Impacts):
                             - 1,
                         )
                     )
-                elif factor > laws.LIMIT_FREE_FACTOR:
+                elif factor > contact_laws.LIMIT_FREE_FACTOR:
                     closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
                 self.add(
                     against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
@@ -203,12 +203,12 @@ class HeadOn(Impacts):
 
 
 def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> dict[str, float]:
-    coefficient = laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)
+    coefficient = contact_laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)
     if factor == 0:
-        return laws.hertz_impact(mass, coefficient, speed)
+        return contact_laws.hertz_impact(mass, coefficient, speed)
     return {
-        "peak_overlap_m": laws.hysteretic_peak_overlap(mass, coefficient, factor, speed),
-        "restitution": laws.effective_restitution(factor),
+        "peak_overlap_m": contact_laws.hysteretic_peak_overlap(mass, coefficient, factor, speed),
+        "restitution": contact_laws.effective_restitution(factor),
     }
 
 
@@ -233,7 +233,7 @@ class WallDashpot(Impacts):
                 against_wall(f"wall-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed, "linear"),
                 law,
                 speed,
-                expected=laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed),
+                expected=contact_laws.linear_impact(clump.mass_kg, law.normal_stiffness, law.damping_ratio, speed),
             )
 
 
@@ -248,7 +248,7 @@ def _material(
 ) -> Scenario:
     """The hysteretic scenario with another material; a rigid plane doubles the moduli of the contact."""
     shear = young / (2 * (1 + poisson))
-    shear, poisson = laws.equivalent_material(shear, poisson, math.inf if rigid_plane else shear, poisson)
+    shear, poisson = contact_laws.equivalent_material(shear, poisson, math.inf if rigid_plane else shear, poisson)
     return with_values(
         load_scenario("nonlinear-en1.0"),
         name,
@@ -282,7 +282,7 @@ class ChungOoi(Impacts):
         ):
             mass = density * 4 / 3 * math.pi * 0.01**3
             scenario = _material(name, young, poisson, False)
-            law = self.engine.pair(scenario, mass / 2, laws.effective_radius(0.01, 0.01))
+            law = self.engine.pair(scenario, mass / 2, contact_laws.effective_radius(0.01, 0.01))
             self.add(
                 against_ball(f"test1-{name}", scenario, law, 0.01, mass, 20.0),
                 law,
@@ -296,7 +296,7 @@ class ChungOoi(Impacts):
         ):
             mass = density * 4 / 3 * math.pi * 0.1**3
             scenario = _material(name, young, poisson, True)
-            law = self.engine.pair(scenario, mass, laws.effective_radius(0.1))
+            law = self.engine.pair(scenario, mass, contact_laws.effective_radius(0.1))
             probe, place = self._on_plane(f"test2-{name}", scenario, law, 0.1, mass, 0.2)
             self.add(
                 probe,
@@ -308,12 +308,13 @@ class ChungOoi(Impacts):
         for name, (young, poisson, density) in (("oxide", ALUMINIUM_OXIDE), ("iron", CAST_IRON)):
             mass = density * 4 / 3 * math.pi * 0.0025**3
             for out in (0.2, 0.4, 0.6, 0.8, 1.0):
-                scenario = _material(name, young, poisson, True, 2, laws.nominal_restitution(2, out))
-                law = self.engine.pair(scenario, mass, laws.effective_radius(0.0025))
+                scenario = _material(name, young, poisson, True, 2, contact_laws.nominal_restitution(2, out))
+                law = self.engine.pair(scenario, mass, contact_laws.effective_radius(0.0025))
                 probe, place = self._on_plane(f"test3-{name}-{out:g}", scenario, law, 0.0025, mass, 3.9)
                 reason = f"M_d = 2 with the e_n that gives this restitution; {place}"
                 if (
-                    laws.damping_factor(2, laws.nominal_restitution(2, out)) > laws.LIMIT_FREE_FACTOR
+                    contact_laws.damping_factor(2, contact_laws.nominal_restitution(2, out))
+                    > contact_laws.LIMIT_FREE_FACTOR
                     and self.engine.has_dashpot_limit
                 ):
                     reason += "; the dashpot meets its limit, which adds 0.3 %"
@@ -321,7 +322,7 @@ class ChungOoi(Impacts):
                 scenario = with_values(
                     load_scenario("nonlinear-en1.0"),
                     name,
-                    contact__particle_wall__damping_ratio=laws.damping_ratio_of(out),
+                    contact__particle_wall__damping_ratio=contact_laws.damping_ratio_of(out),
                 )
                 law = wall_law(scenario, mass)
                 self.add(
@@ -366,7 +367,7 @@ class Oblique(ProbedCase):
 
     def _probe(self, label: str, scenario: Scenario, angle: int) -> Probe:
         law = wall_law(scenario, self.clump.mass_kg)
-        duration = laws.linear_impact(law.mass, law.normal_stiffness, law.damping_ratio, 1.0)["duration_s"]
+        duration = contact_laws.linear_impact(law.mass, law.normal_stiffness, law.damping_ratio, 1.0)["duration_s"]
         step = duration / 1000
         normal, sliding = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         ball = Ball(
@@ -397,7 +398,7 @@ class Oblique(ProbedCase):
                     f"{self.engine.wall_slip_limit}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
                     f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
                 )
-            restitution = laws.dashpot_restitution(law.damping_ratio)
+            restitution = contact_laws.dashpot_restitution(law.damping_ratio)
             sliding = x - law.friction * (1 + restitution) * -z
             if abs(sliding - expected[0]) < 1e-6 * x:
                 expected[0], reason = sliding, "closed form of gross sliding"
@@ -439,11 +440,11 @@ class Oblique(ProbedCase):
             )
 
 
-def own_slip_limit(body: oracle.Body, contact_laws, start, probe: Probe) -> np.ndarray:
+def own_slip_limit(body: oracle.Body, laws, start, probe: Probe) -> np.ndarray:
     """States (rows, 6) of a bounce whose slip limit holds the dashpot's force, at a quarter of the engine's step."""
     return oracle.bounce_in_steps(
         body,
-        contact_laws,
+        laws,
         start,
         probe.step / 4,
         4 * probe.steps,
@@ -500,8 +501,10 @@ class NoApproach(ProbedCase):
 
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         r, mass = self.clump.radius_m, self.clump.mass_kg
-        law = self.engine.pair(self.scenario, mass, laws.effective_radius(r, r))
-        static = (mass * 9.81 / laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)) ** (2 / 3)
+        law = self.engine.pair(self.scenario, mass, contact_laws.effective_radius(r, r))
+        static = (mass * 9.81 / contact_laws.hertz_coefficient(law.shear_modulus, law.poisson_ratio, law.radius)) ** (
+            2 / 3
+        )
         for probe in self._probes:
             start, speed = self._starts[probe.name.removeprefix("no-approach-")]
             rows = found[probe.name]

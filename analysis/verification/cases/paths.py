@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
@@ -107,7 +107,9 @@ class Paths(ProbedCase):
         if wall:
             law = wall_law(scenario, mass)
         else:
-            law = self.engine.pair(scenario, laws.effective_mass(mass, HELD_MASS), laws.effective_radius(r, r))
+            law = self.engine.pair(
+                scenario, contact_laws.effective_mass(mass, HELD_MASS), contact_laws.effective_radius(r, r)
+            )
         own = self.engine.along(scenario["contact.origin"] == "engine")
         normal_force, shear_force = oracle.forces_along(law, overlap, closing, sliding, **own.deviates)
         force = found.force[1 : len(normal) + 1, 0]

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis import laws_bond
-from analysis.laws_bond import Bond, BondState, advance, bond, elastic_energy, stresses
+from analysis import bond_law
+from analysis.bond_law import Bond, BondState, advance, bond, elastic_energy, stresses
 
 X, Y, Z = np.eye(3)
 RADIUS, DISTANCE = 0.0125, 0.025
@@ -43,8 +43,8 @@ def test_area_and_moments_of_inertia_are_those_of_a_disc():
 
 
 def test_the_radius_is_the_multiplier_times_the_smaller_sphere():
-    assert laws_bond.bond_radius(1.0, 0.02, 0.01) == 0.01
-    assert laws_bond.bond_radius(0.5, 0.01, 0.02) == 0.005
+    assert bond_law.bond_radius(1.0, 0.02, 0.01) == 0.01
+    assert bond_law.bond_radius(0.5, 0.01, 0.02) == 0.005
 
 
 def test_a_pulled_bond_pulls_back_with_stiffness_times_area():
@@ -71,10 +71,10 @@ def test_rotation_is_split_into_twist_and_bending():
 
 
 BREAKING = {
-    "pulled": (lambda law, load: pull(law, load), 3e7 / 4e9, laws_bond.TENSION),
-    "sheared": (lambda law, load: move(law, slide=X * load), 3e7 / 4e9, laws_bond.SHEAR),
-    "bent": (lambda law, load: move(law, turn=Y * load), 3e7 / (4e9 * RADIUS), laws_bond.TENSION),
-    "twisted": (lambda law, load: move(law, turn=Z * load), 3e7 / (4e9 * RADIUS), laws_bond.SHEAR),
+    "pulled": (lambda law, load: pull(law, load), 3e7 / 4e9, bond_law.TENSION),
+    "sheared": (lambda law, load: move(law, slide=X * load), 3e7 / 4e9, bond_law.SHEAR),
+    "bent": (lambda law, load: move(law, turn=Y * load), 3e7 / (4e9 * RADIUS), bond_law.TENSION),
+    "twisted": (lambda law, load: move(law, turn=Z * load), 3e7 / (4e9 * RADIUS), bond_law.SHEAR),
 }
 
 
@@ -148,7 +148,7 @@ def test_the_stored_energy_is_the_work_done():
 
 
 def test_total_values_are_those_of_the_whole_bond():
-    whole = bond(RADIUS, 4e9, 5e6, 3e7, 3e7, laws_bond.TOTAL)
+    whole = bond(RADIUS, 4e9, 5e6, 3e7, 3e7, bond_law.TOTAL)
     assert pull(whole, 1e-4).normal_force == pytest.approx(-4e5, rel=EXACT)
     assert whole.tensile_strength * whole.area == pytest.approx(3e7, rel=EXACT)
     assert whole.shear_stiffness * whole.area == pytest.approx(5e6, rel=EXACT)
@@ -157,4 +157,4 @@ def test_total_values_are_those_of_the_whole_bond():
 def test_an_unknown_reading_is_refused():
     with pytest.raises(ValueError, match="per_area or total"):
         bond(RADIUS, 4e9, 5e6, 3e7, 3e7, "per_bond")
-    assert isinstance(bond(RADIUS, 4e9, 5e6, 3e7, 3e7, laws_bond.PER_AREA), Bond)
+    assert isinstance(bond(RADIUS, 4e9, 5e6, 3e7, 3e7, bond_law.PER_AREA), Bond)

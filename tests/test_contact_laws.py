@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis import laws
+from analysis import contact_laws
 from analysis.verification import oracle
 
 # the sources of eq. 16: restitution that comes out, by damping mode and nominal restitution
@@ -20,81 +20,83 @@ MASS = 0.0345
 
 @pytest.mark.parametrize("mode, nominal, out", TABLE)
 def test_restitution_that_comes_out(mode, nominal, out):
-    factor = laws.damping_factor(mode, nominal)
-    assert laws.effective_restitution(factor) == pytest.approx(out, abs=6e-5)
+    factor = contact_laws.damping_factor(mode, nominal)
+    assert contact_laws.effective_restitution(factor) == pytest.approx(out, abs=6e-5)
 
 
 @pytest.mark.parametrize("mode, nominal", [row[:2] for row in TABLE if row[:2] != (2, 0.0)])
 def test_restitution_by_integration(mode, nominal):
     """The closed form D (1 + e') = ln((1 + D)/(1 - D e')) is what the equation of motion gives, at any stiffness."""
-    factor = laws.damping_factor(mode, nominal)
+    factor = contact_laws.damping_factor(mode, nominal)
     law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
     impact = oracle.head_on(law, 0.5)
-    assert impact.restitution == pytest.approx(laws.effective_restitution(factor), abs=1e-8)
-    coefficient = laws.hertz_coefficient(35e6, 0.3, 0.0147)
+    assert impact.restitution == pytest.approx(contact_laws.effective_restitution(factor), abs=1e-8)
+    coefficient = contact_laws.hertz_coefficient(35e6, 0.3, 0.0147)
     assert impact.peak_overlap_m == pytest.approx(
-        laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5), rel=1e-7
+        contact_laws.hysteretic_peak_overlap(MASS, coefficient, factor, 0.5), rel=1e-7
     )
 
 
 @pytest.mark.parametrize("mode, nominal", [(0, 0.02), (0, 0.1), (0, 0.15), (0, 0.2), (0, 0.23), (2, 0.0), (0, 0.3)])
 @pytest.mark.parametrize("limit", [1.0, 0.5])
 def test_restitution_with_the_dashpots_limit_is_that_of_the_equation_of_motion(mode, nominal, limit):
-    factor = laws.damping_factor(mode, nominal)
+    factor = contact_laws.damping_factor(mode, nominal)
     if limit == 1.0:
         law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
-        assert laws.hysteretic_restitution(factor) == pytest.approx(oracle.head_on(law, 0.5).restitution, abs=2e-8)
-    weaker = laws.hysteretic_restitution(factor, limit)
-    assert weaker >= laws.hysteretic_restitution(factor, 2 * limit) - 1e-12 and 0 < weaker < 1
+        assert contact_laws.hysteretic_restitution(factor) == pytest.approx(
+            oracle.head_on(law, 0.5).restitution, abs=2e-8
+        )
+    weaker = contact_laws.hysteretic_restitution(factor, limit)
+    assert weaker >= contact_laws.hysteretic_restitution(factor, 2 * limit) - 1e-12 and 0 < weaker < 1
 
 
 def test_the_limit_takes_damping_away():
-    assert laws.hysteretic_restitution(laws.damping_factor(0, 0.1)) == pytest.approx(0.1485, abs=5e-5)
-    assert laws.effective_restitution(laws.damping_factor(0, 0.1)) == pytest.approx(0.1010, abs=5e-5)
+    assert contact_laws.hysteretic_restitution(contact_laws.damping_factor(0, 0.1)) == pytest.approx(0.1485, abs=5e-5)
+    assert contact_laws.effective_restitution(contact_laws.damping_factor(0, 0.1)) == pytest.approx(0.1010, abs=5e-5)
 
 
 @pytest.mark.parametrize("restitution", [0.02, 0.1, 0.135, 0.2, 0.5, 0.9, 0.98, 0.999, 1.0])
 def test_the_viscous_hertz_dashpot_gives_the_restitution_that_was_asked(restitution):
     law = oracle.ViscousHertz(35e6, 0.3, 0.0147, mass=MASS, restitution=restitution)
     assert oracle.head_on(law, 0.5).restitution == pytest.approx(restitution, abs=1e-8)
-    share = laws.viscous_hertz_damping_ratio(restitution)
-    assert laws.viscous_hertz_restitution(share) == pytest.approx(restitution, abs=1e-13)
+    share = contact_laws.viscous_hertz_damping_ratio(restitution)
+    assert contact_laws.viscous_hertz_restitution(share) == pytest.approx(restitution, abs=1e-13)
 
 
 def test_no_dashpot_gives_a_restitution_of_0():
     for wrong in (0.0, -0.1, 1.1):
         with pytest.raises(ValueError, match="has no damping ratio"):
-            laws.viscous_hertz_damping_ratio(wrong)
+            contact_laws.viscous_hertz_damping_ratio(wrong)
 
 
 def test_damping_mode_0_refuses_restitution_0():
     with pytest.raises(ValueError, match="singular"):
-        laws.damping_factor(0, 0.0)
+        contact_laws.damping_factor(0, 0.0)
 
 
 @pytest.mark.parametrize("mode", [0, 1, 2])
 def test_nominal_restitution_inverts(mode):
-    assert laws.effective_restitution(laws.damping_factor(mode, laws.nominal_restitution(mode, 0.8))) == pytest.approx(
-        0.8
-    )
+    assert contact_laws.effective_restitution(
+        contact_laws.damping_factor(mode, contact_laws.nominal_restitution(mode, 0.8))
+    ) == pytest.approx(0.8)
 
 
 def test_nominal_restitution_refuses_what_a_mode_cannot_give():
     with pytest.raises(ValueError, match="0.663"):
-        laws.nominal_restitution(1, 0.5)
+        contact_laws.nominal_restitution(1, 0.5)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.06, 0.3, 0.7])
 def test_linear_impact_by_integration(ratio):
-    closed = laws.linear_impact(MASS, 1e8, ratio, 0.5)
+    closed = contact_laws.linear_impact(MASS, 1e8, ratio, 0.5)
     impact = oracle.head_on(oracle.Linear(1e8, 1e8, damping_ratio=ratio, mass=MASS), 0.5)
     for name, value in closed.items():
         assert getattr(impact, name) == pytest.approx(value, rel=1e-5), name
 
 
 def test_wall_dashpot_restitution():
-    assert laws.dashpot_restitution(0.06) == pytest.approx(0.8279, abs=5e-5)
-    assert laws.dashpot_restitution(laws.damping_ratio_of(0.5)) == pytest.approx(0.5)
+    assert contact_laws.dashpot_restitution(0.06) == pytest.approx(0.8279, abs=5e-5)
+    assert contact_laws.dashpot_restitution(contact_laws.damping_ratio_of(0.5)) == pytest.approx(0.5)
 
 
 # Chung and Ooi 2011, tests 1 and 2: E, nu, density, radius, speed, wall -> overlap (m), force (N), duration (s)
@@ -110,16 +112,18 @@ CHUNG_OOI = [
 def test_chung_and_ooi(young, nu, density, radius, speed, wall, overlap, force, duration):
     shear = young / (2 * (1 + nu))
     mass = density * 4 / 3 * math.pi * radius**3
-    shear, nu = laws.equivalent_material(shear, nu, math.inf if wall else shear, nu)
-    bar = laws.effective_radius(radius, math.inf if wall else radius)
-    impact = laws.hertz_impact(mass if wall else mass / 2, laws.hertz_coefficient(shear, nu, bar), speed)
+    shear, nu = contact_laws.equivalent_material(shear, nu, math.inf if wall else shear, nu)
+    bar = contact_laws.effective_radius(radius, math.inf if wall else radius)
+    impact = contact_laws.hertz_impact(
+        mass if wall else mass / 2, contact_laws.hertz_coefficient(shear, nu, bar), speed
+    )
     assert impact["peak_overlap_m"] == pytest.approx(overlap, rel=3e-4)
     assert impact["peak_force_N"] == pytest.approx(force, rel=6e-4)
     assert impact["duration_s"] == pytest.approx(duration, rel=1e-3)
 
 
 def test_equivalent_material_of_equal_ones():
-    assert laws.equivalent_material(35e6, 0.3, 35e6, 0.3) == pytest.approx((35e6, 0.3))
+    assert contact_laws.equivalent_material(35e6, 0.3, 35e6, 0.3) == pytest.approx((35e6, 0.3))
 
 
 def test_hysteretic_law_is_hertz_and_mindlin():
@@ -128,48 +132,51 @@ def test_hysteretic_law_is_hertz_and_mindlin():
     e_star, r_star = young / (2 * (1 - nu**2)), r1 * r2 / (r1 + r2)
     g_star = young / (4 * (2 - nu) * (1 + nu))
     shear = young / (2 * (1 + nu))
-    bar = laws.effective_radius(r1, r2)
-    assert laws.hertz_normal_force(overlap, shear, nu, bar) == pytest.approx(
+    bar = contact_laws.effective_radius(r1, r2)
+    assert contact_laws.hertz_normal_force(overlap, shear, nu, bar) == pytest.approx(
         4 / 3 * e_star * math.sqrt(r_star) * overlap**1.5
     )
-    assert laws.mindlin_shear_stiffness(overlap, shear, nu, bar) == pytest.approx(
+    assert contact_laws.mindlin_shear_stiffness(overlap, shear, nu, bar) == pytest.approx(
         8 * g_star * math.sqrt(r_star * overlap)
     )
 
 
 def test_slip_keeps_direction_and_uses_the_elastic_force():
-    force = laws.slip([3.0, 4.0, 0.0], laws.shear_strength(0.5, 2.0))
+    force = contact_laws.slip([3.0, 4.0, 0.0], contact_laws.shear_strength(0.5, 2.0))
     assert force == pytest.approx([0.6, 0.8, 0.0])
-    assert laws.slip([0.3, 0.4, 0.0], 1.0) == pytest.approx([0.3, 0.4, 0.0])
+    assert contact_laws.slip([0.3, 0.4, 0.0], 1.0) == pytest.approx([0.3, 0.4, 0.0])
 
 
 def test_closing_share():
-    assert laws.closing_share(3e-6, -1e-6) == pytest.approx(0.75)
-    assert laws.closing_share(3e-6, 1e-6) == 1.0
+    assert contact_laws.closing_share(3e-6, -1e-6) == pytest.approx(0.75)
+    assert contact_laws.closing_share(3e-6, 1e-6) == 1.0
 
 
 def test_dashpot_limit():
     """Eq. 15 below the limit, critical damping above it and at no approach speed; the force never pulls."""
     elastic, overlap, mass = 10.0, 1e-4, MASS
     limit = 2 * math.sqrt(mass * 1.5 * elastic / overlap)
-    assert laws.hysteretic_dashpot_coefficient(0.5, elastic, 1.0, overlap, mass) == (pytest.approx(5.0), False)
-    assert laws.hysteretic_dashpot_coefficient(0.5, elastic, 1e-9, overlap, mass) == (pytest.approx(limit), True)
-    assert laws.hysteretic_dashpot_coefficient(0.5, elastic, 0.0, overlap, mass) == (pytest.approx(limit), True)
-    assert laws.hysteretic_dashpot_coefficient(0.0, elastic, 0.0, overlap, mass) == (0.0, False)
-    assert laws.hysteretic_normal_force(10.0, 5.0, -3.0) == 0.0
+    assert contact_laws.hysteretic_dashpot_coefficient(0.5, elastic, 1.0, overlap, mass) == (pytest.approx(5.0), False)
+    assert contact_laws.hysteretic_dashpot_coefficient(0.5, elastic, 1e-9, overlap, mass) == (
+        pytest.approx(limit),
+        True,
+    )
+    assert contact_laws.hysteretic_dashpot_coefficient(0.5, elastic, 0.0, overlap, mass) == (pytest.approx(limit), True)
+    assert contact_laws.hysteretic_dashpot_coefficient(0.0, elastic, 0.0, overlap, mass) == (0.0, False)
+    assert contact_laws.hysteretic_normal_force(10.0, 5.0, -3.0) == 0.0
 
 
 def test_limit_stays_clear_of_the_paper_cases():
     """No impact of the paper reaches the limit (D < 4), so it changes no restitution; the first beyond does."""
     for mode, nominal, _ in TABLE:
-        assert laws.damping_factor(mode, nominal) < laws.LIMIT_FREE_FACTOR or (mode, nominal) == (
+        assert contact_laws.damping_factor(mode, nominal) < contact_laws.LIMIT_FREE_FACTOR or (mode, nominal) == (
             2,
             0.0,
         )  # which the paper leaves out
     for factor, shift in ((3.9, 0.0), (5.54, 0.0042)):
         law = oracle.Hysteretic(35e6, 0.3, 0.0147, factor=factor, mass=MASS)
         assert oracle.head_on(law, 0.5).restitution == pytest.approx(
-            laws.effective_restitution(factor) * (1 + shift), rel=1e-4
+            contact_laws.effective_restitution(factor) * (1 + shift), rel=1e-4
         )
 
 
@@ -190,7 +197,7 @@ def bounce(friction, degrees, shear_stiffness=1e8, speed=1.0):
 def test_gross_sliding(degrees):
     """Friction mu times the impulse m (1 + e) v_n; the dashpot's part of the impulse is zero over a whole contact."""
     normal, sliding, state = bounce(0.3, degrees)
-    impulse = 0.3 * (1 + laws.dashpot_restitution(0.06)) * normal
+    impulse = 0.3 * (1 + contact_laws.dashpot_restitution(0.06)) * normal
     assert state[3] == pytest.approx(sliding - impulse, rel=1e-6)
     assert state[5] == pytest.approx(impulse * MASS * 0.015 / BALL.inertia, rel=1e-3)  # lever R - overlap/2
 
