@@ -22,7 +22,7 @@ from synthetic import write_run
 
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
-from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, write_csv
+from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, ROOT, write_csv
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
@@ -125,7 +125,7 @@ def site(tmp_path_factory):
     )
     scenarios = root / "scenarios.toml"
     scenarios.write_text(
-        (report.ROOT / "scenarios.toml").read_text()
+        (ROOT / "scenarios.toml").read_text()
         + """
 [scenario."stiff-plates"]
 title = "Plates that do not move"
@@ -175,7 +175,7 @@ def test_pages_load_nothing_and_link_to_what_exists(site):
             and "prefers-color-scheme: dark" in page.text
             and "@media print" in page.text
         )
-        assert str(report.ROOT) not in page.text, f"{file}: a path of this machine"
+        assert str(ROOT) not in page.text, f"{file}: a path of this machine"
 
 
 @pytest.fixture(scope="module")
@@ -462,7 +462,7 @@ def test_a_notebooks_matplotlib_does_not_reach_the_report(tmp_path):
     (tmp_path / "matplotlibrc").write_text("axes.facecolor: yellow\nfont.size: 30\n")
     own = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": str(tmp_path)}
     command = [sys.executable, "-m", "analysis", "report", "--help"]
-    done = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, cwd=report.ROOT)
+    done = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0 and done.stderr == ""
     with matplotlib.rc_context({"axes.facecolor": "yellow", "font.size": 30}), style.settings():
         assert matplotlib.rcParams["axes.facecolor"] == "none" and matplotlib.rcParams["font.size"] == 9

@@ -98,7 +98,7 @@ def _mm(metres: float) -> str:
     return f"{metres * 1e3:.4g} mm"
 
 
-def _along(d: Drawing, s: Scenario, box: derived.Apparatus) -> None:
+def _along(d: Drawing, scenario: Scenario, box: derived.Apparatus) -> None:
     def x(metres: float) -> float:
         return LEFT + metres * SCALE
 
@@ -118,8 +118,8 @@ def _along(d: Drawing, s: Scenario, box: derived.Apparatus) -> None:
         d.circle("sphere", x(centre[0]), z(centre[2]), box.measurement_radius_m * SCALE)
         d.text(x(centre[0]), z(centre[2]) - 2, str(k), "name")
         d.text(x(centre[0]), z(centre[2]) + 16, name, "name")
-    _plates(d, s, box, x, z)
-    _load(d, s, box, x, top)
+    _plates(d, scenario, box, x, z)
+    _load(d, scenario, box, x, top)
     d.span(x(0), x(box.length_m), FLOOR + 18, _mm(box.length_m))
     d.line("thin", (LEFT - 16, FLOOR), (LEFT - 16, top))
     for metres in (0.0, sleeper.low[2], box.height_m):
@@ -128,7 +128,7 @@ def _along(d: Drawing, s: Scenario, box: derived.Apparatus) -> None:
     d.text(LEFT - 26, top - 12, "z, mm", "soft", "end")
 
 
-def _plates(d: Drawing, s: Scenario, box: derived.Apparatus, x, z) -> None:
+def _plates(d: Drawing, scenario: Scenario, box: derived.Apparatus, x, z) -> None:
     right = x(box.plates[0].high[0])
     for k, plate in enumerate(box.plates, start=1):
         height = (plate.high[2] - plate.low[2]) * SCALE
@@ -136,17 +136,17 @@ def _plates(d: Drawing, s: Scenario, box: derived.Apparatus, x, z) -> None:
         d.text((x(plate.low[0]) + right) / 2, z(plate.low[2]) - height / 2 + 5, str(k))
         middle = z((plate.low[2] + plate.high[2]) / 2)
         d.arrow(right + 26, middle, right + 3, middle, 7)
-    newton = s["preload.plate_stress"] * box.plate_area_m2
+    newton = scenario["preload.plate_stress"] * box.plate_area_m2
     beside = (z(box.plates[-1].high[2]) + FLOOR) / 2
     for n, words in enumerate(
-        ("five plates,", "free in x only", f"{s['preload.plate_stress'] / 1e3:g} kPa each", f"({newton:.3g} N)")
+        ("five plates,", "free in x only", f"{scenario['preload.plate_stress'] / 1e3:g} kPa each", f"({newton:.3g} N)")
     ):
         d.text(right + 32, beside - 24 + 18 * n, words, "told" if n > 1 else "", "start")
     d.text(right + 8, z(box.height_m) + 30, "fixed wall", "soft", "start")
 
 
-def _load(d: Drawing, s: Scenario, box: derived.Apparatus, x, top: float) -> None:
-    low, high = (s[f"loading.stress_{end}"] for end in ("min", "max"))
+def _load(d: Drawing, scenario: Scenario, box: derived.Apparatus, x, top: float) -> None:
+    low, high = (scenario[f"loading.stress_{end}"] for end in ("min", "max"))
     middle = x(box.length_m / 2)
     for share in (-0.16, 0, 0.16):
         d.arrow(middle + share * box.length_m * SCALE, top - 44, middle + share * box.length_m * SCALE, top - 4)
@@ -154,7 +154,8 @@ def _load(d: Drawing, s: Scenario, box: derived.Apparatus, x, top: float) -> Non
     d.text(
         middle,
         top - 74,
-        f"{forces[0]:.3g} to {forces[1]:.3g} kN at {s['loading.frequency']:g} Hz, {s['loading.cycles']} cycles",
+        f"{forces[0]:.3g} to {forces[1]:.3g} kN at {scenario['loading.frequency']:g} Hz, "
+        f"{scenario['loading.cycles']} cycles",
         "told",
     )
     d.text(middle, top - 54, f"({low / 1e3:g} to {high / 1e3:g} kPa on the base)", "told")
@@ -163,7 +164,7 @@ def _load(d: Drawing, s: Scenario, box: derived.Apparatus, x, top: float) -> Non
     d.line("load", *wave)
 
 
-def _across(d: Drawing, s: Scenario, box: derived.Apparatus) -> None:
+def _across(d: Drawing, scenario: Scenario, box: derived.Apparatus) -> None:
     def y(metres: float) -> float:
         return RIGHT + metres * SCALE
 
@@ -190,12 +191,12 @@ def _across(d: Drawing, s: Scenario, box: derived.Apparatus) -> None:
     crib, wide = sleeper.low[1], sleeper.high[1] - sleeper.low[1]
     for start, end in ((0, crib), (crib, crib + wide), (crib + wide, box.width_m)):
         d.span(y(start), y(end), FLOOR + 18, _mm(end - start))
-    _clump(d, s, y(0.09), z(0.06))
+    _clump(d, scenario, y(0.09), z(0.06))
 
 
-def _clump(d: Drawing, s: Scenario, x: float, y: float) -> None:
+def _clump(d: Drawing, scenario: Scenario, x: float, y: float) -> None:
     """One clump to scale, with its name."""
-    clump = derived.clump(s)
+    clump = derived.clump(scenario)
     for side in (-1, 1):
         d.circle("stone", x + side * clump.half_distance_m * SCALE, y, clump.radius_m * SCALE)
     d.text(x, y - 16, "a clump", "soft")

@@ -40,7 +40,7 @@ def settled(folder: Path, cycles: int) -> str:
     return ""
 
 
-def listing(rows: list[study.Row], folder_of) -> str:
+def listing(rows: list[study.StudyRow], folder_of) -> str:
     """The rows as a table."""
     lines = []
     for row in rows:
@@ -53,7 +53,7 @@ def listing(rows: list[study.Row], folder_of) -> str:
     return table(lines, COLUMNS)
 
 
-def makefile(rows: list[study.Row], command: str) -> str:
+def makefile(rows: list[study.StudyRow], command: str) -> str:
     """Rules for make: a target per row, in order; a row that asks for more cycles of a run waits for the one before."""
     waits, before = [], {}
     for row in rows:
@@ -97,7 +97,7 @@ def execute(chosen: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return 1
 
-    def folder_of(row: study.Row) -> Path:
+    def folder_of(row: study.StudyRow) -> Path:
         return run_folder(chosen.results, profile, row.scenario, row.code, row.seed)
 
     if chosen.make:

@@ -16,7 +16,7 @@ DEEPEST = 20
 LONGEST_KEY = 200
 
 
-class Key(Protocol):
+class AllowedValues(Protocol):
     """What a key may hold."""
 
     unit: str
@@ -78,7 +78,11 @@ def leaves(table: dict, known: Collection[str], prefix: str = "") -> Iterator[tu
 
 
 def checked(
-    refuse: Callable[[str, object, str], Exception], place: str, entry: object, key: Key, fields: Collection[str]
+    refuse: Callable[[str, object, str], Exception],
+    place: str,
+    entry: object,
+    key: AllowedValues,
+    fields: Collection[str],
 ) -> object:
     """The value of a table with exactly `fields` (value, unit, ...), of the key's unit and within its limits.
 

@@ -17,7 +17,8 @@ from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.findings.members import choose
 from analysis.driver import provenance
-from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, ROOT, write_aside
+from analysis.driver.settings import relative
+from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, write_aside
 from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run, Runs, load_runs
 from analysis.reference.curves import load_references
@@ -126,7 +127,7 @@ def build(results: Path, out: Path, kept_runs: Path = KEPT_RUNS, reference_folde
         verification,
         verified / "verification",
         problems,
-        shown_path(results),
+        relative(results),
         kept_runs,
     )
     with style.settings():
@@ -170,12 +171,6 @@ def version_stamp() -> str:
         f"{' with uncommitted changes' if git['git_dirty'] else ''}"
     )
     return f"ballast-analysis {metadata.version('ballast-analysis')}{commit}"
-
-
-def shown_path(path: Path) -> str:
-    """A path as a page may show it: relative to the repository, or its name alone."""
-    path = path.resolve()
-    return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name
 
 
 def write_pages(data: ReportData, out: Path, stamp: str) -> None:

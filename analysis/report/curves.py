@@ -28,7 +28,7 @@ def thin(cycles: np.ndarray, most: int = 140) -> np.ndarray:
 
 
 def draw(
-    c: Canvas,
+    canvas: Canvas,
     curve: Curve,
     table: pd.DataFrame,
     factor: float,
@@ -53,7 +53,7 @@ def draw(
     x, y = x[kept], y[kept]
     if (table["high"] > table["low"]).any():
         low, high = (factor * table[end].to_numpy()[kept] for end in ("low", "high"))
-        c.axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
+        canvas.axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
     several = len(seeds) > 1
     options = (
         curve.look
@@ -70,14 +70,14 @@ def draw(
     for values in seeds.values() if several else ():
         at = thin(values.index.to_numpy(float))
         xs, ys = values.index.to_numpy(float)[at], factor * values.to_numpy()[at]
-        c.axes.plot(xs, ys, color=colour, linewidth=0.7, linestyle=curve.look["linestyle"], zorder=1.8)
+        canvas.axes.plot(xs, ys, color=colour, linewidth=0.7, linestyle=curve.look["linestyle"], zorder=1.8)
         ends.append((xs[-1], ys[-1]))
     if len(x):
-        c.axes.plot(x, y, color=colour, **options)
+        canvas.axes.plot(x, y, color=colour, **options)
     if label:
-        c.labels.append((*max(ends, key=lambda end: end[0]), tag, colour))
+        canvas.labels.append((*max(ends, key=lambda end: end[0]), tag, colour))
     if hover:
-        c.series.append(
+        canvas.series.append(
             {
                 "label": name,
                 "colour": css(colour),
@@ -110,19 +110,19 @@ def with_start(table: pd.DataFrame) -> pd.DataFrame:
     return pd.concat([start, table])
 
 
-def cycle_axis(c: Canvas, last: float, log: bool) -> None:
-    c.axes.set_xlabel("load cycle" + (" (logarithmic)" if log else ""))
-    c.hover_x = "cycle"
+def cycle_axis(canvas: Canvas, last: float, log: bool) -> None:
+    canvas.axes.set_xlabel("load cycle" + (" (logarithmic)" if log else ""))
+    canvas.hover_x = "cycle"
     if log:
-        c.axes.set_xscale("log")
-        c.axes.set_xlim(0.9, max(last, 2) * 1.12)
+        canvas.axes.set_xscale("log")
+        canvas.axes.set_xlim(0.9, max(last, 2) * 1.12)
         steps = (1, 2, 5) if last <= 200 else (1,)
         ticks = [k * 10**n for n in range(7) for k in steps if k * 10**n <= max(last, 2) * 1.12]
-        c.axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
-        c.axes.xaxis.set_minor_formatter(NullFormatter())
+        canvas.axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
+        canvas.axes.xaxis.set_minor_formatter(NullFormatter())
     else:
-        c.axes.set_xlim(-0.015 * last, last * 1.015)
-        c.axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+        canvas.axes.set_xlim(-0.015 * last, last * 1.015)
+        canvas.axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
 
 
 def curve_rows(curves: Sequence[Curve], columns: Sequence[str], table: str = "cycles") -> pd.DataFrame:
@@ -140,7 +140,7 @@ def last_cycle_of(curves: Sequence[Curve]) -> float:
 
 
 def draw_references(
-    c: Canvas, rows: pd.DataFrame, coordinate: str, factor: float, across: bool = False, scale: float = 1.0
+    canvas: Canvas, rows: pd.DataFrame, coordinate: str, factor: float, across: bool = False, scale: float = 1.0
 ) -> None:
     """Reference curves: the experiment bold with its error band, simulations thin; named at their ends.
 
@@ -160,14 +160,14 @@ def draw_references(
         }
         name = reference_name(kind, source, curve)
         if across:
-            c.axes.plot(value, at, **look)
-            c.axes.fill_betweenx(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
-            c.labels.append((value[-1], at[-1], name, colour))
+            canvas.axes.plot(value, at, **look)
+            canvas.axes.fill_betweenx(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
+            canvas.labels.append((value[-1], at[-1], name, colour))
         else:
-            c.axes.plot(at, value, **look)
-            c.axes.fill_between(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
-            c.labels.append((at[-1], value[-1], name, colour))
-            c.series.append(
+            canvas.axes.plot(at, value, **look)
+            canvas.axes.fill_between(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
+            canvas.labels.append((at[-1], value[-1], name, colour))
+            canvas.series.append(
                 {
                     "label": name,
                     "colour": css(colour),
@@ -187,16 +187,16 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
     ]
 
 
-def pending_mark(c: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None = None) -> None:
+def pending_mark(canvas: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None = None) -> None:
     """Say that reference curves are missing, above the axes or, where a title stands there, at their bottom; `drawn`
     are rows of those that are there.
     """
     if pending:
-        c.axes.text(
+        canvas.axes.text(
             1,
-            0.02 if c.axes.get_title("left") else 1.02,
+            0.02 if canvas.axes.get_title("left") else 1.02,
             "reference curves pending" if drawn is None or not len(drawn) else "some reference curves pending",
-            transform=c.axes.transAxes,
+            transform=canvas.axes.transAxes,
             fontsize=style.SMALL,
             color=SOFT,
             ha="right",

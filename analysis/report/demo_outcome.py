@@ -26,7 +26,7 @@ ALIKE_FACTOR = 2.0
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DemoOutcome:
     """A scenario in one reading: settlement by code after the cycle that all its runs have reached, SI units."""
 
     scenario: str
@@ -94,7 +94,7 @@ def of_the_demo(members: Iterable[Member]) -> list[Member]:
     return [m for m in members if m.run.profile == PROFILE and not set(m.others) - {SAME_BED_VARIANT}]
 
 
-def outcomes(found: Findings) -> list[Outcome]:
+def outcomes(found: Findings) -> list[DemoOutcome]:
     """What each scenario and reading of the demo came to; of several runs of a code the one that shares its bed."""
     members, made = of_the_demo(found.members), []
     for scenario in dict.fromkeys(m.scenario for m in members):
@@ -118,7 +118,7 @@ def outcomes(found: Findings) -> list[Outcome]:
             )["mean"]
             beds = {m.bed for m in chosen.values()}
             made.append(
-                Outcome(
+                DemoOutcome(
                     scenario,
                     reading,
                     cycle,

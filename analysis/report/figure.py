@@ -6,7 +6,6 @@ longest of them, with a band.
 
 from __future__ import annotations
 
-import re
 import sys
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -20,7 +19,7 @@ from analysis.reference.curves import References
 from analysis.report import style
 from analysis.report.labels import basis_of, is_reading, is_varied, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
-from analysis.scenarios.scenario import Scenario
+from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 
 
 @dataclass
@@ -213,10 +212,11 @@ def _shortened(ids: list[str], room: int = 230) -> str:
 
 
 def _family_by_name(name: str) -> str:
-    if name.startswith("linear"):
-        return "linear"
-    found = re.match(r"nonlinear-md([012])", name)
-    return f"md{found.group(1)}" if found else "nonlinear" if name.startswith("nonlinear") else "other"
+    """The family of a scenario that no run has, by the scenario file."""
+    try:
+        return family_of(load_scenario(name, "full"))
+    except ScenarioError:
+        return family_of(None)
 
 
 def _key(curves: Sequence[Curve]) -> list[dict]:

@@ -167,18 +167,18 @@ def canvas(
     return Canvas(name, alt, figure, axes)
 
 
-def end_labels(c: Canvas, size: float = SMALL) -> None:
+def end_labels(canvas: Canvas, size: float = SMALL) -> None:
     """Write the collected labels (x, y, text, colour) right of the axes, moved apart vertically where they would
     touch.
     """
-    if not c.labels:
+    if not canvas.labels:
         return
-    _make_room(c, size)
-    c.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in c.labels]
-    axes, height = c.axes, c.axes.get_window_extent().height
-    step = size * 1.25 * c.figure.dpi / 72
-    if not c.leaders:
-        for n, (_, _, text, colour) in enumerate(c.labels):
+    _make_room(canvas, size)
+    canvas.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in canvas.labels]
+    axes, height = canvas.axes, canvas.axes.get_window_extent().height
+    step = size * 1.25 * canvas.figure.dpi / 72
+    if not canvas.leaders:
+        for n, (_, _, text, colour) in enumerate(canvas.labels):
             axes.text(
                 1.04,
                 1 - (n + 0.5) * step / height,
@@ -189,12 +189,12 @@ def end_labels(c: Canvas, size: float = SMALL) -> None:
                 va="center",
             )
         return
-    ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in c.labels]))
+    ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in canvas.labels]))
     wanted = ends[:, 1] * height
     order = np.argsort(wanted, kind="stable")
     placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
     for position, n in zip(placed, order, strict=True):
-        _, _, text, colour = c.labels[n]
+        _, _, text, colour = canvas.labels[n]
         axes.annotate(
             text,
             xy=ends[n],
@@ -218,17 +218,17 @@ def end_labels(c: Canvas, size: float = SMALL) -> None:
         )
 
 
-def _make_room(c: Canvas, size: float) -> None:
+def _make_room(canvas: Canvas, size: float) -> None:
     """Narrow the axes until the longest label fits beside them; a browser may draw it a little wider."""
-    renderer, widest = c.figure.canvas.get_renderer(), 0.0
-    for _, _, text, _ in c.labels:
-        trial = c.figure.text(0, 0, text, fontsize=size)
-        widest = max(widest, 1.08 * trial.get_window_extent(renderer).width / c.figure.bbox.width)
+    renderer, widest = canvas.figure.canvas.get_renderer(), 0.0
+    for _, _, text, _ in canvas.labels:
+        trial = canvas.figure.text(0, 0, text, fontsize=size)
+        widest = max(widest, 1.08 * trial.get_window_extent(renderer).width / canvas.figure.bbox.width)
         trial.remove()
-    place = c.axes.get_position()
+    place = canvas.axes.get_position()
     room = (1 - widest - place.x0) / 1.06
     if room < place.width:
-        c.axes.set_position([place.x0, place.y0, max(room, 0.3), place.height])
+        canvas.axes.set_position([place.x0, place.y0, max(room, 0.3), place.height])
 
 
 def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.ndarray:
@@ -252,15 +252,15 @@ def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.nd
     return placed
 
 
-def save(c: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Panel:
+def save(canvas: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Panel:
     """Write `<name>.svg`, `.png` and `.csv` into `folder` and return the panel for a page.
 
     codes   those whose signs the files must explain; a page does it above the panels
     """
-    end_labels(c)
-    width, height = c.figure.get_size_inches()
+    end_labels(canvas)
+    width, height = canvas.figure.get_size_inches()
     if len(codes) > 1:
-        c.figure.text(
+        canvas.figure.text(
             1 - 0.06 / width,
             (STAMP_HEIGHT + 0.06) / height,
             "\n".join(f"{CODE_SIGNS[code]} {CODE_NAMES[code]}" for code in codes),
@@ -270,7 +270,7 @@ def save(c: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Pane
             ha="right",
             gid="codes",
         )
-    c.figure.text(
+    canvas.figure.text(
         0.06 / width,
         0.05 / height,
         stamp,
@@ -281,71 +281,73 @@ def save(c: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) -> Pane
         gid="stamp",
         linespacing=1.25,
     )
-    hover = _hover(c, height)
-    with matplotlib.rc_context({"svg.hashsalt": c.name}):
-        c.figure.savefig(
-            folder / f"{c.name}.png",
+    hover = _hover(canvas, height)
+    with matplotlib.rc_context({"svg.hashsalt": canvas.name}):
+        canvas.figure.savefig(
+            folder / f"{canvas.name}.png",
             dpi=160,
             facecolor="white",
             metadata={"Software": None},
             pil_kwargs={"compress_level": 3},  # a tenth larger, in a third of the time
         )
         buffer = io.StringIO()
-        FigureCanvasSVG(c.figure).print_svg(
+        FigureCanvasSVG(canvas.figure).print_svg(
             buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
         )
     text = buffer.getvalue()
     backdrop = '<rect width="100%" height="100%" fill="#ffffff"/>'
-    (folder / f"{c.name}.svg").write_text(re.sub(r"(<svg[^>]*>)", lambda m: m.group(1) + backdrop, text, count=1))
-    c.table.to_csv(folder / f"{c.name}.csv", index=False, float_format="%.9g", lineterminator="\n")
-    return Panel(c.name, alt_text(c), _inline(text, c, height), hover)
+    (folder / f"{canvas.name}.svg").write_text(re.sub(r"(<svg[^>]*>)", lambda m: m.group(1) + backdrop, text, count=1))
+    canvas.table.to_csv(folder / f"{canvas.name}.csv", index=False, float_format="%.9g", lineterminator="\n")
+    return Panel(canvas.name, alt_text(canvas), _inline(text, canvas, height), hover)
 
 
 TOLD = 6
 """Curves whose ends an alternative text tells."""
 
 
-def alt_text(c: Canvas) -> str:
+def alt_text(canvas: Canvas) -> str:
     """What the panel shows, and where its curves end."""
     ends = []
-    for series in c.series[:TOLD]:
+    for series in canvas.series[:TOLD]:
         at = [(x, y) for x, y in zip(series["x"], series["y"], strict=True) if y is not None]
         if at:
             ends.append(
-                f"{series['label']} {at[-1][1]:.3g} {c.hover_unit} at {c.hover_x} {at[-1][0]:g}".replace("  ", " ")
+                f"{series['label']} {at[-1][1]:.3g} {canvas.hover_unit} at {canvas.hover_x} {at[-1][0]:g}".replace(
+                    "  ", " "
+                )
             )
-    return c.alt + (f". Ends: {'; '.join(ends)}" if ends else "")
+    return canvas.alt + (f". Ends: {'; '.join(ends)}" if ends else "")
 
 
-def _hover(c: Canvas, height: float) -> dict | None:
+def _hover(canvas: Canvas, height: float) -> dict | None:
     """Where the axes lie in the SVG (points) and what its curves hold, for the page's script."""
-    if not c.series:
+    if not canvas.series:
         return None
-    axes = c.axes
+    axes = canvas.axes
     box = axes.get_position()
-    width, total = c.figure.get_size_inches() * 72
+    width, total = canvas.figure.get_size_inches() * 72
     return {
         "box": [round(v, 2) for v in (box.x0 * width, (1 - box.y1) * total, box.width * width, box.height * total)],
         "x": [float(v) for v in axes.get_xlim()],
         "y": [float(v) for v in axes.get_ylim()],
         "logx": axes.get_xscale() == "log",
         "logy": axes.get_yscale() == "log",
-        "name": c.hover_x,
-        "unit": c.hover_unit,
-        "series": c.series,
+        "name": canvas.hover_x,
+        "unit": canvas.hover_unit,
+        "series": canvas.series,
     }
 
 
-def _inline(text: str, c: Canvas, height: float) -> str:
+def _inline(text: str, canvas: Canvas, height: float) -> str:
     """The SVG as part of a page: no stamp (the caption has it), colours as CSS variables, no ids that could clash."""
     svg = text[text.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
     svg = re.sub(r'<g id="(stamp|codes)">.*?</g>', "", svg, flags=re.S)
     svg = re.sub(r"<!--.*?-->", "", svg, flags=re.S)
     svg = re.sub(r' id="(?!m[0-9a-f]{6}|p[0-9a-f]{6}|image|C[0-9a-f]{0,3}_|h[0-9a-f]{6})[^"]*"', "", svg)
-    width, total = c.figure.get_size_inches() * 72
+    width, total = canvas.figure.get_size_inches() * 72
     shown = (height - STAMP_HEIGHT) * 72
-    label = alt_text(c).replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+    label = alt_text(canvas).replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     svg = re.sub(
         r"<svg[^>]*>",
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '

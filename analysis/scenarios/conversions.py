@@ -36,48 +36,53 @@ def _same(key: str) -> Callable[[Scenario], float]:
     return lambda s: s[key]
 
 
-def _dashpot_mass(s: Scenario) -> float:
+def _dashpot_mass(scenario: Scenario) -> float:
     """Mass of a sphere as its dashpots see it, kg."""
-    return derived.clump(s).mass_kg * s["contact.dashpot_mass_share"]
+    return derived.clump(scenario).mass_kg * scenario["contact.dashpot_mass_share"]
 
 
-def _pair_mass(s: Scenario) -> float:
-    return contact_laws.effective_mass(_dashpot_mass(s), _dashpot_mass(s))
+def _pair_mass(scenario: Scenario) -> float:
+    return contact_laws.effective_mass(_dashpot_mass(scenario), _dashpot_mass(scenario))
 
 
-def _hertz(s: Scenario) -> float:
-    radius = derived.clump(s).radius_m
+def _hertz(scenario: Scenario) -> float:
+    radius = derived.clump(scenario).radius_m
     return contact_laws.hertz_coefficient(
-        s[PP + "shear_modulus"], s[PP + "poisson_ratio"], contact_laws.effective_radius(radius, radius)
+        scenario[PP + "shear_modulus"], scenario[PP + "poisson_ratio"], contact_laws.effective_radius(radius, radius)
     )
 
 
-def _mindlin(s: Scenario) -> float:
-    radius = derived.clump(s).radius_m
+def _mindlin(scenario: Scenario) -> float:
+    radius = derived.clump(scenario).radius_m
     return contact_laws.mindlin_shear_stiffness(
-        1.0, s[PP + "shear_modulus"], s[PP + "poisson_ratio"], contact_laws.effective_radius(radius, radius)
+        1.0,
+        scenario[PP + "shear_modulus"],
+        scenario[PP + "poisson_ratio"],
+        contact_laws.effective_radius(radius, radius),
     )
 
 
-def viscous_restitution(s: Scenario) -> float:
+def viscous_restitution(scenario: Scenario) -> float:
     """Restitution at which YADE's viscous Hertz dashpot stands in for the hysteretic one: that of a free impact."""
-    factor = contact_laws.damping_factor(s[PP + "damping_mode"], s[PP + "restitution"])
-    return contact_laws.hysteretic_restitution(factor, s["contact.dashpot_limit"]) if factor else 1.0
+    factor = contact_laws.damping_factor(scenario[PP + "damping_mode"], scenario[PP + "restitution"])
+    return contact_laws.hysteretic_restitution(factor, scenario["contact.dashpot_limit"]) if factor else 1.0
 
 
-def viscous_damping_ratio(s: Scenario) -> float:
+def viscous_damping_ratio(scenario: Scenario) -> float:
     """Share of critical damping of that dashpot; 0 without damping."""
-    return contact_laws.viscous_hertz_damping_ratio(viscous_restitution(s))
+    return contact_laws.viscous_hertz_damping_ratio(viscous_restitution(scenario))
 
 
-def _wall_dashpot(s: Scenario) -> float:
+def _wall_dashpot(scenario: Scenario) -> float:
     return contact_laws.linear_dashpot_coefficient(
-        s[PW + "damping_ratio"], _dashpot_mass(s), s[PW + "normal_stiffness"]
+        scenario[PW + "damping_ratio"], _dashpot_mass(scenario), scenario[PW + "normal_stiffness"]
     )
 
 
-def _pair_dashpot(s: Scenario) -> float:
-    return contact_laws.linear_dashpot_coefficient(s[PP + "damping_ratio"], _pair_mass(s), s[PP + "normal_stiffness"])
+def _pair_dashpot(scenario: Scenario) -> float:
+    return contact_laws.linear_dashpot_coefficient(
+        scenario[PP + "damping_ratio"], _pair_mass(scenario), scenario[PP + "normal_stiffness"]
+    )
 
 
 CONVERSIONS = (

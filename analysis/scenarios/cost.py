@@ -33,22 +33,27 @@ class Cost:
     disk_bytes: float
 
 
-def cost(s) -> Cost:
+def cost(scenario) -> Cost:
     """The cost of a scenario, from its geometry alone: exact to the margins at walls."""
-    box, cycles = derived.apparatus(s), s["loading.cycles"]
-    clumps = (box.length_m - box.end_m) * box.width_m * box.height_m / (derived.lattice_spacing(s) ** 3 / math.sqrt(2))
-    kept = (cycles // s["output.checkpoint_cycles"] > 0) + len(s["output.keep_beds"]) + 3
+    box, cycles = derived.apparatus(scenario), scenario["loading.cycles"]
+    clumps = (
+        (box.length_m - box.end_m)
+        * box.width_m
+        * box.height_m
+        / (derived.lattice_spacing(scenario) ** 3 / math.sqrt(2))
+    )
+    kept = (cycles // scenario["output.checkpoint_cycles"] > 0) + len(scenario["output.keep_beds"]) + 3
     return Cost(
         clumps,
-        float(cycles) * derived.time_grid(s).steps_per_cycle,
+        float(cycles) * derived.time_grid(scenario).steps_per_cycle,
         clumps * BYTES_PER_CLUMP,
-        float(cycles) * s["output.rows_per_cycle"] * BYTES_PER_ROW + kept * clumps * 1000,
+        float(cycles) * scenario["output.rows_per_cycle"] * BYTES_PER_ROW + kept * clumps * 1000,
     )
 
 
-def too_much(s) -> Iterator[tuple[str, str]]:
+def too_much(scenario) -> Iterator[tuple[str, str]]:
     """(key, what is allowed) for what no run can be meant to cost."""
-    found, memory = cost(s), _memory_bytes()
+    found, memory = cost(scenario), _memory_bytes()
     if found.clumps > MOST_CLUMPS:
         yield "packing.lattice_radius", f"a bed of at most {MOST_CLUMPS:,} clumps; this lattice has {found.clumps:.3g}"
     if found.memory_bytes > memory:
@@ -60,8 +65,8 @@ def too_much(s) -> Iterator[tuple[str, str]]:
     if found.steps > MOST_STEPS:
         yield (
             "time.step",
-            f"a run of at most {MOST_STEPS:g} steps; {s['loading.cycles']} cycles of "
-            f"{derived.time_grid(s).steps_per_cycle} steps are {found.steps:.3g}",
+            f"a run of at most {MOST_STEPS:g} steps; {scenario['loading.cycles']} cycles of "
+            f"{derived.time_grid(scenario).steps_per_cycle} steps are {found.steps:.3g}",
         )
     if found.disk_bytes > MOST_DISK_BYTES:
         yield (

@@ -34,12 +34,12 @@ class Deviation:
     when: str
     applies: Callable[[Scenario], bool]
 
-    def sentence(self, s: Scenario) -> str:
-        """What run.json says of it in scenario `s`."""
+    def sentence(self, scenario: Scenario) -> str:
+        """What run.json says of it in a scenario."""
         if "{" not in self.said:
             return self.said
         return self.said.format(
-            restitution=f"{conversions.viscous_restitution(s):.4f}", nominal=f"{s[PP + 'restitution']:g}"
+            restitution=f"{conversions.viscous_restitution(scenario):.4f}", nominal=f"{scenario[PP + 'restitution']:g}"
         )
 
 
@@ -47,22 +47,24 @@ def _always(_: Scenario) -> bool:
     return True
 
 
-def _stock(s: Scenario) -> bool:
-    return s["contact.origin"] == "engine"
+def _stock(scenario: Scenario) -> bool:
+    return scenario["contact.origin"] == "engine"
 
 
-def _hysteretic_dashpot(s: Scenario) -> bool:
+def _hysteretic_dashpot(scenario: Scenario) -> bool:
     """True where contacts between particles have the dashpot of eq. 15, which does nothing at e_n = 1."""
-    return s["contact.model"] == "hysteretic" and s[PP + "restitution"] < 1
+    return scenario["contact.model"] == "hysteretic" and scenario[PP + "restitution"] < 1
 
 
-def _dashpot(s: Scenario) -> bool:
+def _dashpot(scenario: Scenario) -> bool:
     """True where contacts between particles have any dashpot."""
-    return _hysteretic_dashpot(s) or (s["contact.model"] == "linear" and s[PP + "damping_ratio"] > 0)
+    return _hysteretic_dashpot(scenario) or (
+        scenario["contact.model"] == "linear" and scenario[PP + "damping_ratio"] > 0
+    )
 
 
-def _bonded(s: Scenario) -> bool:
-    return s["contact.bond.model"] != "none"
+def _bonded(scenario: Scenario) -> bool:
+    return scenario["contact.bond.model"] != "none"
 
 
 DEVIATIONS = (

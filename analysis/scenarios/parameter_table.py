@@ -147,8 +147,9 @@ def _derived(scenarios: list[Scenario]) -> str:
     return table(["quantity", *(", ".join(_shorten(names)) for names in columns.values())], rows)
 
 
-def _numbers(s: Scenario) -> dict[str, str]:
-    c, box, grid = derived.clump(s), derived.apparatus(s), derived.time_grid(s)
+def _numbers(scenario: Scenario) -> dict[str, str]:
+    c, box, grid = derived.clump(scenario), derived.apparatus(scenario), derived.time_grid(scenario)
+    share = grid.step_s / derived.critical_time_step(scenario)
     return {
         "clump: radius of its spheres, m": f"{c.radius_m:.6g}",
         "clump: distance of the sphere centres, m": f"{2 * c.half_distance_m:.6g}",
@@ -161,5 +162,5 @@ def _numbers(s: Scenario) -> dict[str, str]:
         "space for ballast, m3": f"{box.ballast_volume_m3:.6g}",
         "time step after rounding, s": f"{grid.step_s:.6g}",
         "steps per cycle": str(grid.steps_per_cycle),
-        "time step over the critical one of a linear contact": f"{grid.step_s / derived.critical_time_step(s):.3f}",
+        "time step over the critical one of a linear contact": f"{share:.3f}",
     }

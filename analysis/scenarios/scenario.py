@@ -420,67 +420,69 @@ def _resolve(
     return Scenario(name, profile, title, _made(parameters), sorted(set(variants)), label)
 
 
-def _check_together(path: Path, s: Scenario) -> None:
+def _check_together(path: Path, scenario: Scenario) -> None:
     """Refuse values that are each allowed but impossible together."""
 
     def refuse(key: str, allowed: str) -> ScenarioError:
-        return _refuse(path, f"scenario.{s.id}: {key}", s[key], allowed)
+        return _refuse(path, f"scenario.{scenario.id}: {key}", scenario[key], allowed)
 
     if (
-        s["contact.model"] == "hysteretic"
-        and s["contact.particle_particle.damping_mode"] == 0
-        and s["contact.particle_particle.restitution"] == 0
+        scenario["contact.model"] == "hysteretic"
+        and scenario["contact.particle_particle.damping_mode"] == 0
+        and scenario["contact.particle_particle.restitution"] == 0
     ):
         raise refuse(
             "contact.particle_particle.restitution", "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0"
         )
-    if s["loading.stress_max"] <= s["loading.stress_min"]:
-        raise refuse("loading.stress_max", f"> loading.stress_min = {s['loading.stress_min']:g} Pa")
-    if s["preload.sleeper_stress"] != s["loading.stress_min"]:
+    if scenario["loading.stress_max"] <= scenario["loading.stress_min"]:
+        raise refuse("loading.stress_max", f"> loading.stress_min = {scenario['loading.stress_min']:g} Pa")
+    if scenario["preload.sleeper_stress"] != scenario["loading.stress_min"]:
         raise refuse(
-            "preload.sleeper_stress", f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts"
+            "preload.sleeper_stress",
+            f"loading.stress_min = {scenario['loading.stress_min']:g} Pa, where loading starts",
         )
-    if s["geometry.sleeper_length"] > s["geometry.box_length"]:
-        raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m")
-    room = s["geometry.sleeper_length"] - 2 * s["clump.ball_radius"]
-    if s["geometry.cut_x"] > room:
+    if scenario["geometry.sleeper_length"] > scenario["geometry.box_length"]:
+        raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {scenario['geometry.box_length']:g} m")
+    room = scenario["geometry.sleeper_length"] - 2 * scenario["clump.ball_radius"]
+    if scenario["geometry.cut_x"] > room:
         raise refuse("geometry.cut_x", f"<= {room:g} m, so that a clump fits between the cut and the plates")
-    if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
-        raise refuse("geometry.sleeper_width", f"< geometry.box_width = {s['geometry.box_width']:g} m")
-    if s["geometry.sleeper_base"] + s["geometry.sleeper_height"] > s["geometry.box_height"] + 1e-9:
+    if scenario["geometry.sleeper_width"] >= scenario["geometry.box_width"]:
+        raise refuse("geometry.sleeper_width", f"< geometry.box_width = {scenario['geometry.box_width']:g} m")
+    if scenario["geometry.sleeper_base"] + scenario["geometry.sleeper_height"] > scenario["geometry.box_height"] + 1e-9:
         raise refuse("geometry.sleeper_height", "a sleeper whose top is not above the box")
-    stack = s["geometry.plate_count"] * (s["geometry.plate_height"] + s["geometry.plate_gap"])
-    if stack > s["geometry.box_height"]:
+    stack = scenario["geometry.plate_count"] * (scenario["geometry.plate_height"] + scenario["geometry.plate_gap"])
+    if stack > scenario["geometry.box_height"]:
         raise refuse(
             "geometry.plate_height",
-            f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m",
+            f"plates inside the box: {stack:g} m of plates and gaps in {scenario['geometry.box_height']:g} m",
         )
-    if len(s["geometry.measurement_x"]) != 3:
+    if len(scenario["geometry.measurement_x"]) != 3:
         raise refuse("geometry.measurement_x", "three values")
-    radius = s["geometry.measurement_radius"]
-    for x in s["geometry.measurement_x"]:
-        if x - radius < -1e-9 or x + radius > s["geometry.box_length"] + 1e-9:
+    radius = scenario["geometry.measurement_radius"]
+    for x in scenario["geometry.measurement_x"]:
+        if x - radius < -1e-9 or x + radius > scenario["geometry.box_length"] + 1e-9:
             raise refuse("geometry.measurement_x", "measurement spheres inside the box")
-    z = s["geometry.measurement_z"]
-    if z - radius < -1e-9 or z + radius > s["geometry.sleeper_base"] + 1e-9:
+    z = scenario["geometry.measurement_z"]
+    if z - radius < -1e-9 or z + radius > scenario["geometry.sleeper_base"] + 1e-9:
         raise refuse("geometry.measurement_z", "measurement spheres between floor and sleeper base")
-    if s["packing.relax_stiffness"][-1] != 1.0:
+    if scenario["packing.relax_stiffness"][-1] != 1.0:
         raise refuse("packing.relax_stiffness", "fractions that end at 1")
-    grown = s["packing.lattice_radius"] * s["packing.growth"]
-    if abs(grown - s["clump.ball_radius"]) > 1e-6:
+    grown = scenario["packing.lattice_radius"] * scenario["packing.growth"]
+    if abs(grown - scenario["clump.ball_radius"]) > 1e-6:
         raise refuse(
-            "packing.growth", f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m"
+            "packing.growth",
+            f"clump.ball_radius / packing.lattice_radius: balls grow to {scenario['clump.ball_radius']:g} m",
         )
-    if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
+    if scenario["output.rows_per_cycle"] % (2 * scenario["output.blocks_per_cycle"]):
         raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
-    for key, allowed in cost.too_much(s):
+    for key, allowed in cost.too_much(scenario):
         raise refuse(key, allowed)
-    diameter = 2 * derived.clump(s).radius_m
-    if s["geometry.plate_gap"] >= diameter:
+    diameter = 2 * derived.clump(scenario).radius_m
+    if scenario["geometry.plate_gap"] >= diameter:
         raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")
-    if derived.apparatus(s).width_m < 2 * s["clump.ball_radius"]:
+    if derived.apparatus(scenario).width_m < 2 * scenario["clump.ball_radius"]:
         raise refuse("geometry.width_scale", "a slice wide enough for one clump")
-    void = lattice.void_fraction(s)
+    void = lattice.void_fraction(scenario)
     if void <= 0:
         raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
     if void > 0.6:
@@ -488,32 +490,34 @@ def _check_together(path: Path, s: Scenario) -> None:
             "packing.lattice_gap",
             f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}",
         )
-    limit = derived.critical_time_step(s)
-    if max(s["time.step"], derived.time_grid(s).step_s) > limit:
+    limit = derived.critical_time_step(scenario)
+    if max(scenario["time.step"], derived.time_grid(scenario).step_s) > limit:
         raise refuse(
             "time.step", f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows"
         )
 
 
-def _check_bed(path: Path, content: dict, s: Scenario) -> None:
+def _check_bed(path: Path, content: dict, scenario: Scenario) -> None:
     """Refuse a bed that another scenario cannot give: unknown, borrowed itself, or of other clumps in another box."""
-    bed, code = s["packing.bed_from"], s["packing.bed_code"]
+    bed, code = scenario["packing.bed_from"], scenario["packing.bed_code"]
     if not bed:
         if code:
-            raise _refuse(path, f"scenario.{s.id}: packing.bed_code", code, "empty where packing.bed_from is empty")
+            raise _refuse(
+                path, f"scenario.{scenario.id}: packing.bed_code", code, "empty where packing.bed_from is empty"
+            )
         return
 
     def refuse(allowed: str) -> ScenarioError:
-        return _refuse(path, f"scenario.{s.id}: packing.bed_from", bed, allowed)
+        return _refuse(path, f"scenario.{scenario.id}: packing.bed_from", bed, allowed)
 
-    if bed == s.id:
+    if bed == scenario.id:
         raise refuse("another scenario")
     name, variants = split_id(bed)
     if name not in content["scenario"] or not set(variants) <= set(content["variant"]):
         raise refuse("empty or one of " + ", ".join(content["scenario"]))
-    other = _resolve(path, content, name, variants, s.profile)
+    other = _resolve(path, content, name, variants, scenario.profile)
     if other["packing.bed_from"]:
         raise refuse(f"a scenario that packs its own bed, as {other['packing.bed_from']} does")
-    for line in s.differences(other):
+    for line in scenario.differences(other):
         if line.startswith(("geometry.", "clump.")):
             raise refuse(f"a scenario with the same box and clumps, but {line}")

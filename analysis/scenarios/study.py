@@ -26,7 +26,7 @@ PAPER = "paper"
 
 
 @dataclass(frozen=True)
-class Row:
+class StudyRow:
     """One run of the list, and how many cycles this row asks of it."""
 
     part: str
@@ -65,13 +65,13 @@ def profile(path: Path = SCENARIO_FILE) -> str:
     return read_file(path)["study"].get("profile", "full")
 
 
-def rows(path: Path = SCENARIO_FILE) -> list[Row]:
+def rows(path: Path = SCENARIO_FILE) -> list[StudyRow]:
     """All rows in the order in which they are run; one that an earlier row asks for as well is left out.
 
     Raises ScenarioError where a part names what the file does not have.
     """
     parts = read_file(path)["study"].get("part", [])
-    found: dict[tuple, Row] = {}
+    found: dict[tuple, StudyRow] = {}
     for number, part in enumerate(parts, start=1):
         _check_part(path, f"study.part {number}", part)
         for name in _scenarios(path, part["scenarios"]):
@@ -83,9 +83,9 @@ def rows(path: Path = SCENARIO_FILE) -> list[Row]:
     return list(found.values())
 
 
-def final_rows(path: Path = SCENARIO_FILE) -> list[Row]:
+def final_rows(path: Path = SCENARIO_FILE) -> list[StudyRow]:
     """One row for each run, the one that asks for most cycles of it; for schedulers that start rows in any order."""
-    longest: dict[tuple, Row] = {}
+    longest: dict[tuple, StudyRow] = {}
     for row in rows(path):
         if row.run not in longest or row.cycles > longest[row.run].cycles:
             longest[row.run] = row
@@ -98,11 +98,11 @@ def _scenarios(path: Path, names: list[str]) -> list[str]:
     return list(dict.fromkeys(name for names in lists for name in names))
 
 
-def _row(path: Path, part: dict, identity: str, code: str, seed: int) -> Row:
+def _row(path: Path, part: dict, identity: str, code: str, seed: int) -> StudyRow:
     scenario = load_scenario(identity, profile(path), path)
     bed = scenario["packing.bed_from"]
     bed = f"{bed}/{scenario['packing.bed_code'] or code}" if bed else "own"
-    return Row(part["title"], scenario.id, code, seed, part["cycles"], bed)
+    return StudyRow(part["title"], scenario.id, code, seed, part["cycles"], bed)
 
 
 def _check_part(path: Path, where: str, part) -> None:

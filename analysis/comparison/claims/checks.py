@@ -25,6 +25,7 @@ from analysis.comparison.claims.claimed_quantities import (
 from analysis.comparison.claims.evidence import Check, Evidence, Measured, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
 from analysis.comparison.quantities import has_processor_time
+from analysis.formats.quantities import SHOWN_UNITS
 from analysis.scenarios.scenario import scenario_names
 from analysis.scenarios.study import key_scenarios
 
@@ -43,109 +44,115 @@ def judges(function: Judge) -> Judge:
 
 
 @judges
-def exponential_start(e: Evidence, t: dict) -> Iterator[Check]:
+def exponential_start(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 1."""
-    last = e.common_cycle(t["cycles"])
+    last = evidence.common_cycle(thresholds["cycles"])
     # the fits take their time: only the runs that are judged; nobody has to lend, since two seeds are asked for
-    share = e.measure(
+    share = evidence.measure(
         f"exponential share after cycle {last}",
-        lambda r: exponential_share(r, last, t["share"]),
+        lambda r: exponential_share(r, last, thresholds["share"]),
         last,
         relative=False,
-        members=[m for m in e.reached(last) if m.scenario in e.claim.runs],
+        members=[m for m in evidence.reached(last) if m.scenario in evidence.claim.runs],
         least_seeds=2,
     )
-    yield e.check(f"{NONLINEAR} has the exponential start", "-", lambda s: s - t["share"], share[NONLINEAR])
-    yield e.check(f"{LINEAR} does not have it", "-", lambda s: t["share"] - s, share[LINEAR])
+    yield evidence.check(
+        f"{NONLINEAR} has the exponential start", "-", lambda s: s - thresholds["share"], share[NONLINEAR]
+    )
+    yield evidence.check(f"{LINEAR} does not have it", "-", lambda s: thresholds["share"] - s, share[LINEAR])
 
 
 @judges
-def late_slope(e: Evidence, t: dict) -> Iterator[Check]:
+def late_slope(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 2."""
-    ours = e.measure("late slope", lambda r: run_slope(r, t["first"], t["cycles"]), t["cycles"])
-    curve = e.experiment("settlement")
-    theirs = e.pending("settlement")
+    ours = evidence.measure(
+        "late slope", lambda r: run_slope(r, thresholds["first"], thresholds["cycles"]), thresholds["cycles"]
+    )
+    curve = evidence.experiment("settlement")
+    theirs = evidence.pending("settlement")
     if len(curve):
-        late = curve.loc[(curve["cycle"] >= t["first"]) & (curve["cycle"] <= t["cycles"]), "cycle"]
-        value = slope(curve["cycle"], curve["value"], t["first"], t["cycles"])
+        late = curve.loc[(curve["cycle"] >= thresholds["first"]) & (curve["cycle"] <= thresholds["cycles"]), "cycle"]
+        value = slope(curve["cycle"], curve["value"], thresholds["first"], thresholds["cycles"])
         if math.isfinite(value):
             error = curve["error"].mean() / coverage(math.inf) / math.sqrt(((late - late.mean()) ** 2).sum())
             theirs = Measured("late slope, experiment", Estimate(value, error))
         else:
-            theirs = Measured("experiment", missing=(f"three points of the experiment from cycle {t['first']} on",))
-    yield e.check(
+            theirs = Measured(
+                "experiment", missing=(f"three points of the experiment from cycle {thresholds['first']} on",)
+            )
+    yield evidence.check(
         "the nonlinear slope is nearer to the experiment's",
-        "m/cycle",
+        "m per cycle",
         lambda lin, non, exp: abs(lin - exp) - abs(non - exp),
         ours[LINEAR],
         ours[NONLINEAR],
         theirs,
-        without_curve="" if len(curve) else _nearer("late slope", "mm per 1000 cycles", 1e6, ours),
+        without_curve="" if len(curve) else _nearer("late slope", *SHOWN_UNITS["m per cycle"], ours),
     )
 
 
 @judges
-def vertical_shift(e: Evidence, t: dict) -> Iterator[Check]:
+def vertical_shift(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 3."""
-    what, curve = "the difference scatters little about its mean", e.experiment("settlement")
-    last = t["cycles"]
+    what, curve = "the difference scatters little about its mean", evidence.experiment("settlement")
+    last = thresholds["cycles"]
     if curve.empty:
-        runs = e.measure("settlement", lambda r: settlement(r, last), last)
-        missing = Measured("settlement", missing=runs[NONLINEAR].missing + e.pending("settlement").missing)
-        yield e.check(what, "m", abs, missing, without_curve=_growth(e, last))
+        runs = evidence.measure("settlement", lambda r: settlement(r, last), last)
+        missing = Measured("settlement", missing=runs[NONLINEAR].missing + evidence.pending("settlement").missing)
+        yield evidence.check(what, "m", abs, missing, without_curve=_growth(evidence, last))
         return
 
     def margin(run) -> float:
         shift, scatter = (settlement_difference(run, curve, last, field) for field in ("shift_m", "rms_shifted_m"))
-        return t["scatter"] * abs(shift) - scatter
+        return thresholds["scatter"] * abs(shift) - scatter
 
-    measured = e.measure(
-        f"{t['scatter']:g} of the mean difference less its standard deviation", margin, last, relative=False
+    measured = evidence.measure(
+        f"{thresholds['scatter']:g} of the mean difference less its standard deviation", margin, last, relative=False
     )
-    error = curve["error"].mean() / coverage(math.inf) * math.hypot(1, t["scatter"])
-    yield e.check(what, "m", lambda m: m, widened(measured[NONLINEAR], error))
+    error = curve["error"].mean() / coverage(math.inf) * math.hypot(1, thresholds["scatter"])
+    yield evidence.check(what, "m", lambda m: m, widened(measured[NONLINEAR], error))
 
 
 @judges
-def linear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
+def linear_lateral(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 4."""
-    for cycle, sign in ((1, -1), (100, 1), (t["cycles"], 1)):
-        (error,) = e.profile_errors(cycle, LINEAR)
-        yield e.check(
+    for cycle, sign in ((1, -1), (100, 1), (thresholds["cycles"], 1)):
+        (error,) = evidence.profile_errors(cycle, LINEAR)
+        yield evidence.check(
             f"{'good' if sign > 0 else 'poor'} after cycle {cycle}",
             "-",
-            lambda value, sign=sign: sign * (t["good"] - value),
+            lambda value, sign=sign: sign * (thresholds["good"] - value),
             error,
-            without_curve=_within(e, cycle, t["good"], sign),
+            without_curve=_within(evidence, cycle, thresholds["good"], sign),
         )
 
 
 @judges
-def nonlinear_lateral(e: Evidence, t: dict) -> Iterator[Check]:
+def nonlinear_lateral(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 5."""
     for cycle in (1, 100):
-        yield e.check(
+        yield evidence.check(
             f"nonlinear better after cycle {cycle}",
             "-",
             lambda lin, non: lin - non,
-            *e.profile_errors(cycle, LINEAR, NONLINEAR),
-            without_curve=_nearer_profile(e, cycle, NONLINEAR, LINEAR),
+            *evidence.profile_errors(cycle, LINEAR, NONLINEAR),
+            without_curve=_nearer_profile(evidence, cycle, NONLINEAR, LINEAR),
         )
-    yield e.check(
-        f"comparable after cycle {t['cycles']}",
+    yield evidence.check(
+        f"comparable after cycle {thresholds['cycles']}",
         "-",
-        lambda lin, non: t["alike"] - abs(lin - non),
-        *e.profile_errors(t["cycles"], LINEAR, NONLINEAR),
-        without_curve=_alike_profiles(e, t["cycles"], t["alike"]),
+        lambda lin, non: thresholds["alike"] - abs(lin - non),
+        *evidence.profile_errors(thresholds["cycles"], LINEAR, NONLINEAR),
+        without_curve=_alike_profiles(evidence, thresholds["cycles"], thresholds["alike"]),
     )
 
 
 @judges
-def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
+def damping_modes(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 6."""
-    for cycle, words in ((1, "twice"), (t["cycles"], "alike")):
-        low, high = t[f"{words}_low"], t[f"{words}_high"]
-        lateral = e.measure(
+    for cycle, words in ((1, "twice"), (thresholds["cycles"], "alike")):
+        low, high = thresholds[f"{words}_low"], thresholds[f"{words}_high"]
+        lateral = evidence.measure(
             f"lateral displacement after cycle {cycle}", lambda r, n=cycle: lateral_profile(r, n).mean(), cycle
         )
 
@@ -155,7 +162,7 @@ def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
 
         for mode in (1, 2):
             names = [f"nonlinear-md{m}-en{en}" for m in (0, mode) for en in (0.3, 0.6, 0.9)]
-            yield e.check(
+            yield evidence.check(
                 f"M_d = 0 over M_d = {mode} after cycle {cycle} between {low:g} and {high:g}",
                 "-",
                 margin,
@@ -164,9 +171,9 @@ def damping_modes(e: Evidence, t: dict) -> Iterator[Check]:
 
 
 @judges
-def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
+def restitution_trend(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 7."""
-    last = e.common_cycle(t["cycles"])
+    last = evidence.common_cycle(thresholds["cycles"])
     branches = (
         ("M_d = 0", 0, (0.3, 0.6, 0.9, 1.0), -1),
         ("M_d = 2", 2, (0.3, 0.6, 0.9, 1.0), -1),
@@ -177,14 +184,14 @@ def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
         ("settlement", lambda r: settlement(r, last)),
         ("lateral displacement", lambda r: lateral_profile(r, last).mean()),
     ):
-        measured = e.measure(f"{name} after cycle {last}", function, last)
+        measured = evidence.measure(f"{name} after cycle {last}", function, last)
         for branch, mode, restitutions, sign in branches:
             scenarios = [NONLINEAR if en == 1 else f"nonlinear-md{mode}-en{en}" for en in restitutions]
 
             def margin(*values, x=restitutions, sign=sign):
-                return sign * (np.polyfit(x, values, 1)[0] - t["flat"])
+                return sign * (np.polyfit(x, values, 1)[0] - thresholds["flat"])
 
-            yield e.check(
+            yield evidence.check(
                 f"{name} {'rises' if sign > 0 else 'falls'} with e_n, {branch}",
                 "m",
                 margin,
@@ -193,33 +200,35 @@ def restitution_trend(e: Evidence, t: dict) -> Iterator[Check]:
 
 
 @judges
-def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
+def undamped_best(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 8."""
-    curve = e.experiment("settlement")
-    curve = curve[curve["cycle"] <= t["cycles"]]
-    profiles = {n: e.experiment("lateral_displacement", n) for n in (1, 100, t["cycles"])}
+    curve = evidence.experiment("settlement")
+    curve = curve[curve["cycle"] <= thresholds["cycles"]]
+    profiles = {n: evidence.experiment("lateral_displacement", n) for n in (1, 100, thresholds["cycles"])}
     pending = [] if len(curve) else ["settlement"]
     pending += [f"lateral displacement after cycle {n}" for n, profile in profiles.items() if profile.empty]
 
     def misfit(run) -> float:
         if pending:
-            return settlement(run, t["cycles"])
-        errors = [settlement_difference(run, curve, t["cycles"], "rms_m") / abs(float(curve["value"].iloc[-1]))]
+            return settlement(run, thresholds["cycles"])
+        errors = [
+            settlement_difference(run, curve, thresholds["cycles"], "rms_m") / abs(float(curve["value"].iloc[-1]))
+        ]
         return float(np.mean(errors + [profile_error(run, profile, n) for n, profile in profiles.items()]))
 
-    measured = e.measure("misfit", misfit, t["cycles"], relative=False)
-    best_between = _best_between(e) if pending else ""
-    for scenario in e.claim.runs:
+    measured = evidence.measure("misfit", misfit, thresholds["cycles"], relative=False)
+    best_between = _best_between(evidence) if pending else ""
+    for scenario in evidence.claim.runs:
         what = f"{NONLINEAR} agrees better than {scenario}"
         if scenario == NONLINEAR:
             continue
         if pending:
-            missing = measured[NONLINEAR].missing + measured[scenario].missing + e.pending(*pending).missing
-            yield e.check(what, "-", max, Measured("misfit", missing=missing), without_curve=best_between)
+            missing = measured[NONLINEAR].missing + measured[scenario].missing + evidence.pending(*pending).missing
+            yield evidence.check(what, "-", max, Measured("misfit", missing=missing), without_curve=best_between)
             continue
         relative = [c["error"].mean() / c["value"].abs().max() for c in (curve, *profiles.values())]
         error = float(np.mean(relative)) / coverage(math.inf)
-        yield e.check(
+        yield evidence.check(
             what,
             "-",
             lambda best, other: other - best,
@@ -229,9 +238,9 @@ def undamped_best(e: Evidence, t: dict) -> Iterator[Check]:
 
 
 @judges
-def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
+def porosity_order(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 9."""
-    last = e.common_cycle(t["cycles"])
+    last = evidence.common_cycle(thresholds["cycles"])
 
     for higher, lower in ((3, 1), (3, 2), (2, 1)):
 
@@ -240,28 +249,32 @@ def porosity_order(e: Evidence, t: dict) -> Iterator[Check]:
             return values[higher - 1] - values[lower - 1]
 
         what = f"sphere {higher} above sphere {lower} after cycle {last}"
-        measured = e.measure(what, difference, last, relative=False)
-        yield e.check(what, "-", lambda x: x, measured[NONLINEAR])
-    spread = e.measure(f"range to cycle {last}", lambda r: porosity_range(r, last), last, relative=False)
-    yield e.check(
+        measured = evidence.measure(what, difference, last, relative=False)
+        yield evidence.check(what, "-", lambda x: x, measured[NONLINEAR])
+    spread = evidence.measure(f"range to cycle {last}", lambda r: porosity_range(r, last), last, relative=False)
+    yield evidence.check(
         "range wider than in the linear model", "-", lambda non, lin: non - lin, spread[NONLINEAR], spread[LINEAR]
     )
 
 
 @judges
-def preload_drop(e: Evidence, t: dict) -> Iterator[Check]:
+def preload_drop(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 10."""
-    start = e.measure("porosity after preload", lambda r: porosities(r, 0).mean(), 0, relative=False)
-    yield e.check(
-        "lower than in the linear model", "-", lambda lin, non: lin - non - t["drop"], start[LINEAR], start[NONLINEAR]
+    start = evidence.measure("porosity after preload", lambda r: porosities(r, 0).mean(), 0, relative=False)
+    yield evidence.check(
+        "lower than in the linear model",
+        "-",
+        lambda lin, non: lin - non - thresholds["drop"],
+        start[LINEAR],
+        start[NONLINEAR],
     )
 
 
 @judges
-def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
+def computing_time(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 11."""
     what = "shorter than the linear model's"
-    timed = [m for m in e.reached(1) if math.isfinite(seconds_per_cycle(m.run))]
+    timed = [m for m in evidence.reached(1) if math.isfinite(seconds_per_cycle(m.run))]
     machines = {name: {_machine(m.run) for m in timed if m.scenario == name} for name in (LINEAR, NONLINEAR)}
     shared = sorted(machines[LINEAR] & machines[NONLINEAR])
     best = max(shared, key=lambda machine: sum(_machine(m.run) == machine for m in timed), default=None)
@@ -273,36 +286,36 @@ def computing_time(e: Evidence, t: dict) -> Iterator[Check]:
     # other work on the machine can only slow a run: the fastest one is nearest to what a cycle costs
     fastest = {m.scenario: m for m in sorted(members, key=lambda m: -seconds_per_cycle(m.run))}
     members = list(fastest.values())
-    time = e.measure("computing time per cycle", seconds_per_cycle, 1, stated=stated, members=members)
+    time = evidence.measure("computing time per cycle", seconds_per_cycle, 1, stated=stated, members=members)
     if all(machines.values()) and not shared:
         time[LINEAR] = Measured(time[LINEAR].name, missing=("both models on one machine, same ranks and threads",))
-    yield e.check(what, "s", lambda lin, non: t["ratio"] * lin - non, time[LINEAR], time[NONLINEAR])
+    yield evidence.check(what, "s", lambda lin, non: thresholds["ratio"] * lin - non, time[LINEAR], time[NONLINEAR])
 
 
 @judges
-def settles_as_chen(e: Evidence, t: dict) -> Iterator[Check]:
+def settles_as_chen(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 12."""
-    for cycle in (t["early"], e.common_cycle(t["cycles"])):
-        settled = e.measure(f"settlement after cycle {cycle}", lambda r, n=cycle: settlement(r, n), cycle)
-        yield e.check(
+    for cycle in (thresholds["early"], evidence.common_cycle(thresholds["cycles"])):
+        settled = evidence.measure(f"settlement after cycle {cycle}", lambda r, n=cycle: settlement(r, n), cycle)
+        yield evidence.check(
             f"alike after cycle {cycle}",
             "m",
-            lambda lin, bonded: t["alike"] * min(lin, bonded) - max(lin, bonded),
+            lambda lin, bonded: thresholds["alike"] * min(lin, bonded) - max(lin, bonded),
             settled[LINEAR],
             settled[BONDED],
         )
 
 
 @judges
-def chen_lateral(e: Evidence, t: dict) -> Iterator[Check]:
+def chen_lateral(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 13."""
-    for cycle, nearer, other in ((1, BONDED, LINEAR), (t["cycles"], LINEAR, BONDED)):
-        yield e.check(
+    for cycle, nearer, other in ((1, BONDED, LINEAR), (thresholds["cycles"], LINEAR, BONDED)):
+        yield evidence.check(
             f"{MODELS[nearer]} nearer after cycle {cycle}",
             "-",
             lambda near, far: far - near,
-            *e.profile_errors(cycle, nearer, other),
-            without_curve=_nearer_profile(e, cycle, nearer, other),
+            *evidence.profile_errors(cycle, nearer, other),
+            without_curve=_nearer_profile(evidence, cycle, nearer, other),
         )
 
 
@@ -325,26 +338,26 @@ def _nearer(quantity: str, unit: str, factor: float, ours: dict[str, Measured]) 
     )
 
 
-def _growth(e: Evidence, last: int) -> str:
+def _growth(evidence: Evidence, last: int) -> str:
     """By how much the experiment's settlement has to grow, for the difference to be a constant shift."""
-    last = min(last, max((finished(m) for m in e.members if m.scenario == NONLINEAR), default=0))
+    last = min(last, max((finished(m) for m in evidence.members if m.scenario == NONLINEAR), default=0))
     if last < 2:
         return ""
-    grown = e.seen(lambda r: settlement(r, last) - settlement(r, 1), last)
+    grown = evidence.seen(lambda r: settlement(r, last) - settlement(r, 1), last)
     return (
         f"a constant shift asks that the experiment's settlement grows by {1e3 * grown[NONLINEAR]:.3g} mm from cycle 1 "
         f"to {last}, as the model's does"
     )
 
 
-def _lateral(e: Evidence, cycle: int) -> dict[str, float]:
+def _lateral(evidence: Evidence, cycle: int) -> dict[str, float]:
     """Mean lateral displacement of the plates by scenario, m."""
-    return e.seen(lambda r: lateral_profile(r, cycle).mean(), cycle)
+    return evidence.seen(lambda r: lateral_profile(r, cycle).mean(), cycle)
 
 
-def _within(e: Evidence, cycle: int, good: float, sign: int) -> str:
+def _within(evidence: Evidence, cycle: int, good: float, sign: int) -> str:
     """Between which means of the experiment's profile the linear model's can be good; outside them it is poor."""
-    mean = _lateral(e, cycle).get(LINEAR)
+    mean = _lateral(evidence, cycle).get(LINEAR)
     if mean is None:
         return ""
     if mean <= 0:
@@ -359,9 +372,9 @@ def _within(e: Evidence, cycle: int, good: float, sign: int) -> str:
     )
 
 
-def _nearer_profile(e: Evidence, cycle: int, one: str, other: str) -> str:
+def _nearer_profile(evidence: Evidence, cycle: int, one: str, other: str) -> str:
     """On which side of the middle between two models the experiment's mean has to be for `one` to be nearer."""
-    means = _lateral(e, cycle)
+    means = _lateral(evidence, cycle)
     if one not in means or other not in means:
         return ""
     side = "below" if means[one] < means[other] else "above"
@@ -372,9 +385,9 @@ def _nearer_profile(e: Evidence, cycle: int, one: str, other: str) -> str:
     )
 
 
-def _alike_profiles(e: Evidence, cycle: int, alike: float) -> str:
+def _alike_profiles(evidence: Evidence, cycle: int, alike: float) -> str:
     """Above which mean of the experiment's profile two errors cannot differ by more than `alike`."""
-    plates = [e.seen(lambda r, k=k: lateral_profile(r, cycle)[k], cycle) for k in range(5)]
+    plates = [evidence.seen(lambda r, k=k: lateral_profile(r, cycle)[k], cycle) for k in range(5)]
     if any(LINEAR not in plate or NONLINEAR not in plate for plate in plates):
         return ""
     apart = math.sqrt(sum((plate[LINEAR] - plate[NONLINEAR]) ** 2 for plate in plates) / len(plates))
@@ -384,14 +397,17 @@ def _alike_profiles(e: Evidence, cycle: int, alike: float) -> str:
     )
 
 
-def _best_between(e: Evidence) -> str:
+def _best_between(evidence: Evidence) -> str:
     """Between which settlements of the experiment e_n = 1 is nearest to it."""
-    judged = [m for m in e.members if m.scenario in e.claim.runs and finished(m) >= 1]
-    if {m.scenario for m in judged} < set(e.claim.runs) or not judged:
+    judged = [m for m in evidence.members if m.scenario in evidence.claim.runs and finished(m) >= 1]
+    if {m.scenario for m in judged} < set(evidence.claim.runs) or not judged:
         return ""
-    last = min(max(finished(m) for m in judged if m.scenario == name) for name in e.claim.runs)
-    values = e.seen(lambda r: settlement(r, last), last)
-    best, others = values[NONLINEAR], [v for name, v in values.items() if name in e.claim.runs and name != NONLINEAR]
+    last = min(max(finished(m) for m in judged if m.scenario == name) for name in evidence.claim.runs)
+    values = evidence.seen(lambda r: settlement(r, last), last)
+    best, others = (
+        values[NONLINEAR],
+        [v for name, v in values.items() if name in evidence.claim.runs and name != NONLINEAR],
+    )
     below, above = (
         max((v for v in others if v < best), default=None),
         min((v for v in others if v > best), default=None),

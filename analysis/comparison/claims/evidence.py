@@ -28,6 +28,7 @@ from analysis.comparison.claims.uncertainty import (
 )
 from analysis.comparison.findings.members import Member, member
 from analysis.comparison.quantities import last_cycle
+from analysis.formats.quantities import SHOWN_UNITS
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 
@@ -360,7 +361,7 @@ def _because(verdict: str, checks: tuple[Check, ...], missing: tuple[str, ...]) 
 
 
 def _margin(check: Check) -> str:
-    shown, factor = _SHOWN[check.unit]
+    shown, factor = SHOWN_UNITS[check.unit]
     spread = f" +- {factor * check.half_width:.2g}"
     return f"margin {factor * check.margin:.3g}{spread} {shown}".strip()
 
@@ -381,13 +382,13 @@ def _longest(members: Iterable[Member]) -> list[Member]:
     return list(best.values())
 
 
-def finished(m: Member) -> int:
+def finished(member: Member) -> int:
     """Cycles of a run that count; those of a failed run up to the one before it failed, and -1 without any."""
-    return last_cycle(m.run) - (m.run.info.get("state") == "failed")
+    return last_cycle(member.run) - (member.run.info.get("state") == "failed")
 
 
-def _contact_law(m: Member) -> str:
-    return m.run.scenario["contact.model"] if m.run.scenario is not None else ""
+def _contact_law(member: Member) -> str:
+    return member.run.scenario["contact.model"] if member.run.scenario is not None else ""
 
 
 def _seeds(undecided: Iterable[int]) -> str:
@@ -426,11 +427,8 @@ def _notes(members: Iterable[Member]) -> tuple[str, ...]:
     return tuple(f"{', '.join(dict.fromkeys(names))}: {note}" for note, names in notes.items())
 
 
-_SHOWN = {"m": ("mm", 1e3), "m/cycle": ("mm per 1000 cycles", 1e6), "s": ("s", 1.0), "-": ("", 1.0)}
-
-
 def _show(e: Estimate, unit: str, confidence: float) -> str:
-    shown, factor = _SHOWN[unit]
+    shown, factor = SHOWN_UNITS[unit]
     half_width = e.half_width(confidence)
     spread = f" +- {factor * half_width:.2g}" if math.isfinite(half_width) else ""
     return f"{factor * e.mean:.3g}{spread} {shown}".strip()

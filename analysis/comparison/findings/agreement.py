@@ -31,10 +31,10 @@ beds of one recipe differ by."""
 VALUES = ("profile", "scenario", "reading", "code", "quantity", "cycle", "unit", "mean", "low", "high", "beds")
 
 
-def run_values(m: Member, cycles: Sequence[int] = CYCLES) -> pd.DataFrame:
+def run_values(member: Member, cycles: Sequence[int] = CYCLES) -> pd.DataFrame:
     """The compared quantities of one run after those of `cycles` that it reached: quantity, cycle, unit, value."""
-    reached = [n for n in cycles if n <= quantities.last_cycle(m.run)]
-    table = quantities.after_cycles(m.run, reached)
+    reached = [n for n in cycles if n <= quantities.last_cycle(member.run)]
+    table = quantities.after_cycles(member.run, reached)
     table = table[table["quantity"].isin(COMPARED) & table["cycle"].isin(reached)]
     return table[["quantity", "cycle", "unit", "value"]].dropna(subset=["value"])
 

@@ -113,12 +113,12 @@ def at(run, cycle: int, column: str) -> float:
     return float(values.iloc[0]) if len(values) else math.nan
 
 
-def spread_between_beds(scatter: pd.DataFrame, m: Member, quantity: str, cycle: int) -> float:
+def spread_between_beds(scatter: pd.DataFrame, member: Member, quantity: str, cycle: int) -> float:
     """Scatter between beds at the nearest compared cycle not after `cycle`."""
     rows = scatter[
-        (scatter["profile"] == m.run.profile)
-        & (scatter["model"] == m.run.scenario["contact.model"])
-        & (scatter["reading"] == m.reading)
+        (scatter["profile"] == member.run.profile)
+        & (scatter["model"] == member.run.scenario["contact.model"])
+        & (scatter["reading"] == member.reading)
         & (scatter["quantity"] == quantity)
         & (scatter["cycle"] <= cycle)
     ].sort_values("cycle")

@@ -67,23 +67,23 @@ def transfer(omega: float, time_constant: complex) -> complex:
     return 1 / (1 + 1j * omega * time_constant)
 
 
-def response(m: Member) -> dict:
+def response(member: Member) -> dict:
     """Measured over the last cycles of one run: extremes of stress; of the first harmonics the share of the target's
     amplitude, the lag behind it, and the bed's dynamic stiffness with its loss angle. nan without harmonics.
     """
-    rows, waves = m.run.cycles.tail(LAST_CYCLES), m.run.harmonics.tail(LAST_CYCLES)
+    rows, waves = member.run.cycles.tail(LAST_CYCLES), member.run.harmonics.tail(LAST_CYCLES)
     target = waves["target_amplitude_Pa"].to_numpy()
     stress, settlement = (_complex(waves, *names) for names in HARMONICS)
     known = len(waves) > 0
     passed = complex(np.mean(stress / target)) if known else complex(math.nan)
     stiffness = complex(np.mean(stress / settlement)) if known else complex(math.nan)
     return {
-        "cycle": last_cycle(m.run),
+        "cycle": last_cycle(member.run),
         "stress_min_Pa": rows["sleeper_stress_min_Pa"].mean(),
         "stress_max_Pa": rows["sleeper_stress_max_Pa"].mean(),
         "amplitude_ratio": abs(passed),
         "lag_rad": -cmath.phase(passed),
-        "bed_stiffness_N_m": derived.apparatus(m.run.scenario).sleeper_area_m2 * abs(stiffness),
+        "bed_stiffness_N_m": derived.apparatus(member.run.scenario).sleeper_area_m2 * abs(stiffness),
         "bed_loss_angle_rad": cmath.phase(stiffness),
     }
 
@@ -92,9 +92,9 @@ def _complex(waves: pd.DataFrame, amplitude: str, late: str) -> np.ndarray:
     return waves[amplitude].to_numpy() * np.exp(-1j * waves[late].to_numpy())
 
 
-def sleeper_contacts(m: Member) -> float:
+def sleeper_contacts(member: Member) -> float:
     """Contacts of the sleeper, as counted last; nan where nobody counted."""
-    counted = m.run.microstructure["sleeper_contacts"].iloc[1:].dropna()
+    counted = member.run.microstructure["sleeper_contacts"].iloc[1:].dropna()
     return float(counted.iloc[-1]) if len(counted) else math.nan
 
 

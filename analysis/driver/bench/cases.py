@@ -30,7 +30,7 @@ STOCK_PRINTS = re.compile(r"(\d+) steps, ([\d.]+) s of processor time")
 
 
 @dataclass
-class Case:
+class TimedCase:
     """One thing to time."""
 
     code: str

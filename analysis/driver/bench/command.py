@@ -18,7 +18,7 @@ from analysis.arguments import Parser
 from analysis.driver import options
 from analysis.driver.bench import profile, tables
 from analysis.driver.bench.beds import Preloaded
-from analysis.driver.bench.cases import WHO, Case
+from analysis.driver.bench.cases import WHO, TimedCase
 from analysis.driver.engine import EngineError
 from analysis.driver.engines import CODES, LIGGGHTS
 from analysis.driver.run import run
@@ -89,7 +89,7 @@ def profiled(beds: dict[str, Preloaded], codes: list[str], work: Path, size: str
         print("bench: no profile: Linux `perf` is missing (Debian package linux-perf)", file=sys.stderr)
         return
     rows = []
-    for case in (Case(code, name, "verified", bed, work, size) for code in codes for name, bed in beds.items()):
+    for case in (TimedCase(code, name, "verified", bed, work, size) for code in codes for name, bed in beds.items()):
         case.prepare()
         rows += profile.sample(case)
     for code, law, part, share in rows:
@@ -98,22 +98,24 @@ def profiled(beds: dict[str, Preloaded], codes: list[str], work: Path, size: str
         tables.renew(tables.PROFILE, profile.COLUMNS, rows, key=("code", "law"))
 
 
-def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[Case]:
+def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[TimedCase]:
     """All of the comparison, in the order in which they are timed: what a ratio is made of stands side by side."""
-    return [Case(code, name, who, bed, work, profile) for code in codes for name, bed in beds.items() for who in WHO]
+    return [
+        TimedCase(code, name, who, bed, work, profile) for code in codes for name, bed in beds.items() for who in WHO
+    ]
 
 
-def size_cases(name: str, bed: Preloaded, codes: list[str], work: Path, profile: str) -> list[Case]:
+def size_cases(name: str, bed: Preloaded, codes: list[str], work: Path, profile: str) -> list[TimedCase]:
     """Beds of other widths on one rank, and the bed itself on two; of one law, with the paper's step."""
     return [
-        Case(code, name, "paper", bed, work, profile, clumps / CLUMPS[2], ranks)
+        TimedCase(code, name, "paper", bed, work, profile, clumps / CLUMPS[2], ranks)
         for code in codes
         for clumps in CLUMPS
         for ranks in (RANKS if clumps == CLUMPS[2] else RANKS[:1])
     ]
 
 
-def repeat(found: list[Case], repeats: int, file: Path) -> None:
+def repeat(found: list[TimedCase], repeats: int, file: Path) -> None:
     """Time all cases in turn, `repeats` times, and add a row for each timing."""
     table = GrowingCsv(file, tables.TIMINGS)
     if not file.exists():

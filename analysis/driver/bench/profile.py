@@ -12,7 +12,7 @@ import subprocess
 from collections import defaultdict
 from pathlib import Path
 
-from analysis.driver.bench.cases import Case
+from analysis.driver.bench.cases import TimedCase
 from analysis.driver.bench.meter import last_step
 from analysis.driver.engine import EngineError
 from analysis.driver.process import EngineProcess, descendants
@@ -51,7 +51,7 @@ def is_there() -> bool:
     return shutil.which("perf") is not None
 
 
-def sample(case: Case) -> list[tuple]:
+def sample(case: TimedCase) -> list[tuple]:
     """Rows of benchmark_profile.csv of one engine and law: parts and their shares, which add up to 1.
 
     Raises EngineError where the engine ends or perf may not sample.

@@ -18,7 +18,7 @@ GROUPS = {  # name, marker: quantities
 }
 
 
-def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | None:
+def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figure | None:
     """Each compared quantity of both codes over YADE's mean of it in the scenario: ratio LIGGGHTS over YADE by size."""
     rows = agreement[(agreement["yade_mean"] > 0) & (agreement["liggghts_mean"] > 0)]
     if rows.empty:
@@ -63,7 +63,7 @@ def scatter_figure(g: Gallery, agreement: pd.DataFrame, name: str) -> Figure | N
         look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "top"}
         c.axes.text(0.98, up, f"{hue} model", transform=c.axes.transAxes, **look)
     c.table = rows
-    return g.finish(
+    return gallery.finish(
         name,
         "Both codes over all quantities",
         "Each mark is one quantity after one cycle of one scenario, in one reading of the load, each code from "

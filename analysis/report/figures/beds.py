@@ -18,7 +18,7 @@ KEPT_BED = Path("beds") / "liggghts-seed1.csv.gz"
 """The full bed that is kept in the repository, below the folder of kept runs."""
 
 
-def kept_scene(g: Gallery, kept: Path) -> Scene | None:
+def kept_scene(gallery: Gallery, kept: Path) -> Scene | None:
     """The full bed that is kept in the repository; None where it is not there."""
     if not KEY_SCENARIOS:
         return None
@@ -26,14 +26,14 @@ def kept_scene(g: Gallery, kept: Path) -> Scene | None:
         return packed_scene(kept / KEPT_BED, load_scenario(KEY_SCENARIOS[0], "full"))
     except ViewError as error:
         if not isinstance(error, NoBed):
-            g.complain(str(error))
+            gallery.complain(str(error))
         return None
 
 
-def kept_bed_figure(g: Gallery, kept: Path, name: str, title: str, caption: str) -> Figure | None:
+def kept_bed_figure(gallery: Gallery, kept: Path, name: str, title: str, caption: str) -> Figure | None:
     """That bed as a picture."""
-    scene = kept_scene(g, kept)
-    return scene and g.finish(name, title, caption, [_bed_panel(scene, name, scene.title)], [], layout="picture")
+    scene = kept_scene(gallery, kept)
+    return scene and gallery.finish(name, title, caption, [_bed_panel(scene, name, scene.title)], [], layout="picture")
 
 
 def _bed_panel(scene: Scene, name: str, heading: str) -> Canvas:
@@ -41,7 +41,7 @@ def _bed_panel(scene: Scene, name: str, heading: str) -> Canvas:
 
 
 def bed_figure(
-    g: Gallery, runs: Sequence[Run], name: str, label: str, title: str, caption: str, *, chains: bool = False
+    gallery: Gallery, runs: Sequence[Run], name: str, label: str, title: str, caption: str, *, chains: bool = False
 ) -> Figure | None:
     """The bed of each run as a picture, and its force chains where contacts were kept."""
     drawn, used = [], []
@@ -50,7 +50,7 @@ def bed_figure(
             scene = load_scene(run.folder, (last_with_contacts(run.folder) if chains else None) or label)
         except ViewError as error:
             if not isinstance(error, NoBed):
-                g.complain(f"{run.id}/{error}")
+                gallery.complain(f"{run.id}/{error}")
             continue
         key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
         heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}, {scene.title}"
@@ -59,4 +59,4 @@ def bed_figure(
             continue
         drawn.append(c)
         used.append(run)
-    return g.finish(name, title, caption, drawn, used, layout="picture")
+    return gallery.finish(name, title, caption, drawn, used, layout="picture")

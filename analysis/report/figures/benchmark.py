@@ -10,7 +10,7 @@ from analysis.report.figure import Figure, Gallery
 from analysis.report.style import CODE_NAMES
 
 
-def sizes_figure(g: Gallery, sizes: pd.DataFrame) -> Figure | None:
+def sizes_figure(gallery: Gallery, sizes: pd.DataFrame) -> Figure | None:
     """Steps per processor second against clumps, on one rank, a line per code and law."""
     one = sizes[sizes["ranks"] == 1] if len(sizes) else sizes
     if one.empty or one["clumps"].nunique() < 2:
@@ -26,7 +26,7 @@ def sizes_figure(g: Gallery, sizes: pd.DataFrame) -> Figure | None:
     c.axes.set_yscale("log")
     c.axes.set(xlabel="clumps", ylabel="steps per second of processor time")
     c.table = one
-    return g.finish(
+    return gallery.finish(
         "benchmark-sizes",
         "Speed against size",
         "Beds of other widths, cut out of the preloaded full bed or out of mirror images of it beside each other.",

@@ -25,10 +25,10 @@ WHEN = (
 """When a bond broke: words, first and last cycle, hue, level."""
 
 
-def bonds_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Share of bonds broken so far against cycles; one panel."""
     runs = [run for run in runs if len(run.bonds)]
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     if not curves:
         return None
     c = style.canvas(name, title)
@@ -45,7 +45,7 @@ def bonds_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption
     c.table = pd.concat(
         [run.bonds.assign(run=run.id, broken_share=broken_share(run).to_numpy()) for run in runs], ignore_index=True
     )
-    return g.finish(name, title, caption, [c], runs, curves)
+    return gallery.finish(name, title, caption, [c], runs, curves)
 
 
 def broken_share(run: Run) -> pd.Series:
@@ -54,14 +54,14 @@ def broken_share(run: Run) -> pd.Series:
     return 1 - counts["bonds"] / counts.sum(axis=1)
 
 
-def broken_bonds_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def broken_bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Where bonds broke: side view and end view of each run, coloured by when; nothing where none broke."""
     drawn, used = [], []
     for run in runs:
         if len(run.bonds_broken) and run.scenario is not None:
             used.append(run)
             drawn += [_view(run, name, axis) for axis in "xy"]
-    return g.finish(name, title, caption, drawn, used)
+    return gallery.finish(name, title, caption, drawn, used)
 
 
 def _view(run: Run, name: str, axis: str) -> style.Canvas:

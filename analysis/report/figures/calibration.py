@@ -11,28 +11,28 @@ from analysis.report.labels import MM, short_name
 from analysis.report.style import INK, PAPER, SOFT, Canvas
 
 
-def calibration_figure(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Figure | None:
+def calibration_figure(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Figure | None:
     """Clumps against porosity of all beds, and how settlement depends on the clump's aspect at the chosen gap.
 
     beds     as `calibrate.read_table` gives them
     chosen   aspect and lattice gap (m) of the scenario file
     """
-    return g.finish(
+    return gallery.finish(
         "calibration",
         "Calibration of the packing",
         "Left: clumps and mean porosity of the packed beds, each named by the aspect of its clumps, or by the gap of "
         "its lattice where that is not the chosen one; the filled one was chosen. Right: settlement of beds of the "
         f"chosen gap after {beds['cycles'].max():.0f} cycles. The choice was made for count and porosity, which are no "
         "evidence any more, and for a bed that is not jammed; how far it then settles was not tuned.",
-        [_packed(g, beds, chosen), _settled(g, beds, chosen)],
+        [_packed(gallery, beds, chosen), _settled(gallery, beds, chosen)],
         [],
     )
 
 
-def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas:
+def _packed(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas:
     c = style.canvas("calibration-packing", "Clumps and porosity of the beds that were tried", right=0.5)
     packed = beds[beds["scenario"] == beds["scenario"].iloc[0]].dropna(subset=["clumps", "porosity_mean"])
-    colour, _ = g.look(beds["scenario"].iloc[0])
+    colour, _ = gallery.look(beds["scenario"].iloc[0])
     for bed in packed.itertuples():
         is_chosen = (bed.aspect, bed.lattice_gap_m) == chosen
         c.axes.plot(
@@ -72,14 +72,14 @@ def _packed(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canv
     return c
 
 
-def _settled(g: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas | None:
+def _settled(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas | None:
     settled = beds[(beds["lattice_gap_m"] == chosen[1]) & (beds["settlement_m"] > 0)]
     settled = settled[settled["cycles"] == beds["cycles"].max()].sort_values("aspect")
     if settled.empty:
         return None
     c = style.canvas("calibration-settlement", "Settlement against the aspect of the clump")
     for scenario, part in settled.groupby("scenario", sort=False):
-        colour, _ = g.look(scenario)
+        colour, _ = gallery.look(scenario)
         c.axes.plot(part["aspect"], MM * part["settlement_m"], "o-", color=colour)
         c.labels.append((part["aspect"].iloc[-1], MM * part["settlement_m"].iloc[-1], short_name(scenario), colour))
     c.axes.axvline(chosen[0], color=SOFT, linewidth=0.9, linestyle=(0, (2, 2)))

@@ -14,7 +14,7 @@ LARGEST = 2.0
 """Bars end here; the number says the rest."""
 
 
-def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) -> Figure | None:
+def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what: str) -> Figure | None:
     """Change of a quantity by each variant, a panel per scenario and reading, the largest on top."""
     rows = table[(table["quantity"] == quantity) & table["change_ratio"].notna()]
     drawn = []
@@ -33,7 +33,7 @@ def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) 
         scatter = part["scatter_ratio"].dropna()
         if len(scatter):
             c.axes.axvspan(-100 * scatter.iloc[0], 100 * scatter.iloc[0], color=SOFT, alpha=0.25, linewidth=0)
-        hue = style.shade("servo") if reading == SERVO else g.look(scenario)[0]
+        hue = style.shade("servo") if reading == SERVO else gallery.look(scenario)[0]
         for n, row in enumerate(part.itertuples()):
             change = max(-1.0, min(row.change_ratio, LARGEST))
             c.axes.barh(n, 100 * change, color=hue, height=0.62)
@@ -55,7 +55,7 @@ def influence_figure(g: Gallery, table: pd.DataFrame, quantity: str, what: str) 
         c.axes.set_title(f"{short_name(scenario)}, {READING_NAMES[reading]}: {1e3 * base:.3g} mm")
         c.table = part
         drawn.append(c)
-    return g.finish(
+    return gallery.finish(
         f"influence-{quantity.removesuffix('_m').replace('_', '-')}",
         f"What changes {what}",
         "One thing changed at a time, from the same packed bed where the change allows it. Grey band: one standard "

@@ -26,7 +26,7 @@ PROFILE_CYCLES = (1, 100, 1000)
 
 
 def lateral_figure(
-    g: Gallery,
+    gallery: Gallery,
     runs: Sequence[Run],
     name: str,
     title: str,
@@ -35,12 +35,12 @@ def lateral_figure(
     references: bool = True,
 ) -> Figure | None:
     """Lateral displacement of the plates over depth, one panel per number of cycles."""
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     if not curves:
         return None
     cycles = cycles or shown_cycles(runs)
     scenarios = {curve.scenario for curve in curves}
-    pending = pending_names(g.references, "lateral_displacement", scenarios) if references else []
+    pending = pending_names(gallery.references, "lateral_displacement", scenarios) if references else []
     drawn = []
     for cycle in cycles:
         c = style.canvas(
@@ -92,7 +92,7 @@ def lateral_figure(
                 fontsize=9,
             )
         rows = (
-            reference_rows(g.references, "lateral_displacement", scenarios, cycle=cycle)
+            reference_rows(gallery.references, "lateral_displacement", scenarios, cycle=cycle)
             if references
             else pd.DataFrame()
         )
@@ -110,7 +110,7 @@ def lateral_figure(
             )
         c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
         drawn.append(c)
-    return g.finish(name, title, caption, drawn, runs, curves, pending)
+    return gallery.finish(name, title, caption, drawn, runs, curves, pending)
 
 
 def lateral_profile(curve: Curve, cycle: int) -> pd.DataFrame:

@@ -23,9 +23,9 @@ TRACKING_AIM = {model: 100 * aim for model, aim in runs_findings.TRACKING_AIM.it
 """rms tracking error that no cycle should exceed, by contact model, % of the maximum stress."""
 
 
-def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
+def tracking_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
     """Tracking error per cycle, and the extremes of the measured stress against their targets."""
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     if not curves:
         return None
     error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
@@ -77,21 +77,27 @@ def tracking_figure(g: Gallery, runs: Sequence[Run], name: str, title: str) -> F
     cycle_axis(extremes, last_cycle_of(curves), False)
     extremes.table = curve_rows(curves, ["cycle", "sleeper_stress_min_Pa", "sleeper_stress_max_Pa"])
     caption = "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum)."
-    return g.finish(name, title, caption, [error, extremes], runs, curves)
+    return gallery.finish(name, title, caption, [error, extremes], runs, curves)
 
 
-def stress_figure(g: Gallery, s: Scenario, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure:
-    """The paper's Figure 6: vertical stress on the sleeper against time as `s` prescribes it, and over it the first and
-    the last cycle that runs measured.
+def stress_figure(
+    gallery: Gallery, scenario: Scenario, runs: Sequence[Run], name: str, title: str, caption: str
+) -> Figure:
+    """The paper's Figure 6: vertical stress on the sleeper against time as a scenario prescribes it, and over it the
+    first and the last cycle that runs measured.
     """
     c = style.canvas(name, "Vertical stress on the sleeper against time: three periods of the target", right=1.2)
-    low, high, period = s["loading.stress_min"], s["loading.stress_max"], 1 / s["loading.frequency"]
+    low, high, period = (
+        scenario["loading.stress_min"],
+        scenario["loading.stress_max"],
+        1 / scenario["loading.frequency"],
+    )
     time = np.linspace(0, 3 * period, 400)
     target = (high + low) / 2 - (high - low) / 2 * np.cos(2 * np.pi * time / period)
     c.axes.plot(1e3 * time, KPA * target, color=SOFT, linewidth=3.4, alpha=0.35, solid_capstyle="butt")
     c.labels.append((1e3 * time[-1], KPA * target[-1], "target", SOFT))
     c.table = pd.DataFrame({"run": "target", "time_s": time, "cycle": time / period, "sleeper_stress_Pa": target})
-    curves = [curve for curve in g.curves(runs) if len(curve.main.loops)]
+    curves = [curve for curve in gallery.curves(runs) if len(curve.main.loops)]
     for curve in curves:
         rows = curve.main.loops
         last = np.floor(rows["cycle"].max() + 1e-9)
@@ -109,12 +115,12 @@ def stress_figure(g: Gallery, s: Scenario, runs: Sequence[Run], name: str, title
         c.labels.append((shown.iloc[-1], end.iloc[-1], f"{curve.tag}, cycle {last:.0f}", curve.colour))
         c.table = pd.concat([c.table, rows.assign(run=curve.main.id)], ignore_index=True)
     c.axes.set(xlabel="time, ms", ylabel="stress on the sleeper, kPa", ylim=(0, 1.12 * KPA * high))
-    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
+    return gallery.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
 
 
-def stroke_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
+def stroke_figure(gallery: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """Resilient stroke, secant stiffness and loop energy per cycle."""
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     measured = {curve.label: quantities.per_cycle(curve.main).set_index("cycle") for curve in curves}
     drawn = []
     for column in ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"):
@@ -133,7 +139,7 @@ def stroke_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
             ignore_index=True,
         )
         drawn.append(c)
-    return g.finish(
+    return gallery.finish(
         name,
         "Stiffness and losses",
         "Resilient stroke: settlement at maximum minus that at the next minimum load. Secant stiffness: range of the "
@@ -145,9 +151,9 @@ def stroke_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     )
 
 
-def loop_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
+def loop_figure(gallery: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """Stress on the sleeper against its settlement in the first and the last cycle, one panel per scenario."""
-    curves = [curve for curve in g.curves(runs) if len(curve.main.loops)]
+    curves = [curve for curve in gallery.curves(runs) if len(curve.main.loops)]
     drawn = []
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
@@ -196,7 +202,7 @@ def loop_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
         c.axes.set_title(short_name(scenario))
         c.table = pd.concat(frames, ignore_index=True)
         drawn.append(c)
-    return g.finish(
+    return gallery.finish(
         name,
         "Stress against settlement",
         "First (paler) and last cycle. The area of a loop is the work lost in the cycle; its extent along the "

@@ -24,9 +24,9 @@ SHOWN = (
 """Columns of microstructure.csv, a panel each; label and unit are those of formats/quantities.py."""
 
 
-def microstructure_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
+def microstructure_figure(gallery: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """The columns SHOWN against cycles."""
-    curves = [curve for curve in g.curves(runs) if len(curve.main.microstructure)]
+    curves = [curve for curve in gallery.curves(runs) if len(curve.main.microstructure)]
     drawn = []
     for column in SHOWN:
         quantity = QUANTITIES[column]
@@ -41,7 +41,7 @@ def microstructure_figure(g: Gallery, runs: Sequence[Run], name: str) -> Figure 
         cycle_axis(c, last_cycle_of(curves), False)
         c.table = curve_rows(curves, ["cycle", column], "microstructure")
         drawn.append(c)
-    return g.finish(
+    return gallery.finish(
         name,
         "Inside the bed",
         "Kinetic energy and unbalanced ratio say how far from rest the bed still is at minimum load.",

@@ -20,11 +20,11 @@ from analysis.scenarios.scenario import Scenario
 """Metres drawn around the box."""
 
 
-def sketch_figure(g: Gallery, s: Scenario) -> Figure:
+def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
     """The test as a side view, drawn from the parameters: box, sleeper, load, plates and measurement spheres."""
-    box = derived.apparatus(s)
-    low, high = (box.sleeper_area_m2 * s[f"loading.stress_{end}"] / 1e3 for end in ("min", "max"))
-    frequency = s["loading.frequency"]
+    box = derived.apparatus(scenario)
+    low, high = (box.sleeper_area_m2 * scenario[f"loading.stress_{end}"] / 1e3 for end in ("min", "max"))
+    frequency = scenario["loading.frequency"]
     c = style.canvas(
         "sketch",
         f"Side view of the test: a sleeper on ballast in a box of {MM * box.length_m:g} by {MM * box.width_m:g} mm, "
@@ -38,7 +38,7 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
         top=0.05,
     )
     ax = c.axes
-    _ballast(ax, s, box)
+    _ballast(ax, scenario, box)
     ax.plot([0, 0, box.length_m, box.length_m], [box.height_m, 0, 0, 0], color=INK, linewidth=2)
     ax.plot([box.length_m] * 2, [box.plates[-1].high[2], box.height_m], color=INK, linewidth=2)
     for k, (x, _, z) in enumerate(box.measurement_centres_m):
@@ -73,7 +73,7 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
     ax.text(
         box.length_m + 0.012,
         -0.018,
-        f"plates, {KPA * s['preload.plate_stress']:g} kPa each",
+        f"plates, {KPA * scenario['preload.plate_stress']:g} kPa each",
         fontsize=10.6,
         ha="center",
         va="top",
@@ -94,21 +94,21 @@ def sketch_figure(g: Gallery, s: Scenario) -> Figure:
             for name, b in (("sleeper", box.sleeper), *((f"plate {k}", p) for k, p in enumerate(box.plates, 1)))
         ]
     )
-    return g.finish(
+    return gallery.finish(
         "test",
         "The test",
         f"Side view; the box is {MM * box.width_m:g} mm wide, "
-        f"{MM * (box.width_m - s['geometry.sleeper_width']) / 2:g} mm "
+        f"{MM * (box.width_m - scenario['geometry.sleeper_width']) / 2:g} mm "
         f"of ballast (the cribs) on either side of the sleeper. {low:.3g} to {high:.3g} kN are "
-        f"{KPA * s['loading.stress_min']:g} to {KPA * s['loading.stress_max']:g} kPa under the sleeper.",
+        f"{KPA * scenario['loading.stress_min']:g} to {KPA * scenario['loading.stress_max']:g} kPa under the sleeper.",
         [c],
         [],
     )
 
 
-def _ballast(ax, s: Scenario, box) -> None:
+def _ballast(ax, scenario: Scenario, box) -> None:
     """Clumps as the eye sees them: two circles each, of the clump's size, at random where ballast lies."""
-    clump, generator = derived.clump(s), np.random.default_rng(4)
+    clump, generator = derived.clump(scenario), np.random.default_rng(4)
     reach = clump.radius_m
     xs = np.arange(reach, box.length_m, 2.1 * reach)
     for row, z in enumerate(np.arange(reach, box.sleeper.low[2], 1.8 * reach)):
@@ -136,7 +136,7 @@ def _load(ax, top, low: float, high: float, frequency: float) -> None:
 
 
 def both_readings_figure(
-    g: Gallery, members: Sequence[Member], scenarios: Iterable[str], name: str, title: str, caption: str
+    gallery: Gallery, members: Sequence[Member], scenarios: Iterable[str], name: str, title: str, caption: str
 ) -> Figure | None:
     """Settlement of `scenarios` against cycles, an axis of its own for each, both readings and both codes in it."""
     drawn, used = [], []
@@ -147,7 +147,7 @@ def both_readings_figure(
         c = style.canvas(f"{name}-{scenario}", _alt(found, scenario))
         curves_here = []
         for reading in READINGS:
-            for curve in g.curves(m.run for m in found if m.reading == reading):
+            for curve in gallery.curves(m.run for m in found if m.reading == reading):
                 colour = style.shade("servo") if reading == SERVO else curve.colour
                 beds = f", mean of {len(curve.runs)} beds" if len(curve.runs) > 1 else ""
                 draw(
@@ -166,17 +166,17 @@ def both_readings_figure(
         used += curves_here
     runs = [run for curve in used for run in curve.runs]
     steps = " Runs differ in their time step (page Time step)." if time_steps(runs) else ""
-    return g.finish(name, title, caption + steps, drawn, runs, used)
+    return gallery.finish(name, title, caption + steps, drawn, runs, used)
 
 
-def _finish_panel(c: Canvas, curves: list, title: str) -> None:
-    c.axes.set_ylim(bottom=0)
-    c.axes.invert_yaxis()
-    c.axes.set_ylabel("settlement at minimum load, mm")
-    c.axes.set_title(title)
-    c.hover_unit = "mm"
-    cycle_axis(c, last_cycle_of(curves), True)
-    c.table = curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"])
+def _finish_panel(canvas: Canvas, curves: list, title: str) -> None:
+    canvas.axes.set_ylim(bottom=0)
+    canvas.axes.invert_yaxis()
+    canvas.axes.set_ylabel("settlement at minimum load, mm")
+    canvas.axes.set_title(title)
+    canvas.hover_unit = "mm"
+    cycle_axis(canvas, last_cycle_of(curves), True)
+    canvas.table = curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"])
 
 
 def _alt(found: Sequence[Member], scenario: str) -> str:

@@ -11,11 +11,11 @@ from analysis.report.figures.settlement import settlement_figure
 from analysis.report.labels import short_name
 
 
-def plate_figures(g: Gallery, runs: Sequence[Run], base: str, profile: str, cycle: int) -> list[Figure | None]:
+def plate_figures(gallery: Gallery, runs: Sequence[Run], base: str, profile: str, cycle: int) -> list[Figure | None]:
     """Settlement, and displacement of the plates after the first cycle and `cycle`, of runs under several laws."""
     name = f"plates-{base}-{profile}"
     settlement = settlement_figure(
-        g,
+        gallery,
         runs,
         name,
         f"{short_name(base)}: settlement under three laws of the plates",
@@ -24,7 +24,7 @@ def plate_figures(g: Gallery, runs: Sequence[Run], base: str, profile: str, cycl
         references=False,
     )
     lateral = lateral_figure(
-        g,
+        gallery,
         runs,
         f"{name}-lateral",
         f"{short_name(base)}: plates under three laws",

@@ -29,11 +29,11 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
 
-def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def porosity_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Porosity of the three measurement spheres against cycles, one panel per scenario."""
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     drawn = []
-    pending = pending_names(g.references, "porosity", {c.scenario for c in curves})
+    pending = pending_names(gallery.references, "porosity", {c.scenario for c in curves})
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
         family = members[0].family
@@ -53,7 +53,7 @@ def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
                     name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
                     tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""),
                 )
-        rows = g.references.curve("porosity", scenario=scenario)
+        rows = gallery.references.curve("porosity", scenario=scenario)
         draw_references(c, up_to(rows, last_cycle_of(members)), "cycle", 1.0)
         c.axes.set_ylabel("porosity")
         cycle_axis(c, last_cycle_of(members), False)
@@ -69,10 +69,10 @@ def porosity_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, capt
     limits = [c.axes.get_ylim() for c in drawn]
     for c in drawn:  # one scale, so that the models' ranges can be compared
         c.axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
-    return g.finish(name, title, caption, drawn, runs, curves, pending)
+    return gallery.finish(name, title, caption, drawn, runs, curves, pending)
 
 
-def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
+def sphere_figure(gallery: Gallery, setup: Scenario) -> Figure:
     """The paper's Figure 13a: where the measurement spheres are."""
     box = derived.apparatus(setup)
     c = style.canvas(
@@ -122,7 +122,7 @@ def sphere_figure(g: Gallery, setup: Scenario) -> Figure:
             for k, (x, y, z) in enumerate(box.measurement_centres_m)
         ]
     )
-    return g.finish(
+    return gallery.finish(
         "figure13a",
         "Figure 13a remade: the measurement spheres",
         f"Radius {MM * box.measurement_radius_m:g} mm (reported); the centres follow from the "

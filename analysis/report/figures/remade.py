@@ -20,7 +20,7 @@ from analysis.scenarios.scenario import load_scenario
 SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
 
 
-def figure5(g: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | None]:
+def figure5(gallery: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | None]:
     """Packed beds, of the runs or the kept one, and the force chains after loading."""
     packed, label = [run for run in candidates if (run.folder / "raw" / "bed_packed.csv").exists()], "packed"
     packed = [run for run in packed if run.scenario and not run.scenario["packing.bed_from"]] or packed
@@ -30,7 +30,7 @@ def figure5(g: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | 
         "after packing, before preload" if label == "packed" else "at the end of preload (the packed bed was not kept)"
     )
     drawn = bed_figure(
-        g,
+        gallery,
         packed[:2],
         "figure5",
         label,
@@ -40,7 +40,7 @@ def figure5(g: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | 
     return [
         drawn
         or kept_bed_figure(
-            g,
+            gallery,
             kept,
             "figure5",
             "Figure 5 remade: the full bed after packing, before preload",
@@ -48,7 +48,7 @@ def figure5(g: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | 
             "sleeper, which is drawn as glass. Two joined spheres are one clump.",
         ),
         bed_figure(
-            g,
+            gallery,
             candidates,
             "force-chains",
             "after",
@@ -60,14 +60,14 @@ def figure5(g: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | 
     ]
 
 
-def figure6(g: Gallery, runs: Sequence[Run]) -> Figure | None:
+def figure6(gallery: Gallery, runs: Sequence[Run]) -> Figure | None:
     """The load as the parameters give it, and what runs measured of it."""
     if not KEY_SCENARIOS:
         return None
     s = load_scenario(KEY_SCENARIOS[0], "full")
     low, high = (KPA * s[f"loading.stress_{end}"] for end in ("min", "max"))
     return stress_figure(
-        g,
+        gallery,
         s,
         runs,
         "figure6",
@@ -78,19 +78,19 @@ def figure6(g: Gallery, runs: Sequence[Run]) -> Figure | None:
     )
 
 
-def figure10(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+def figure10(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     """Settlement and lateral displacement of the linear model."""
     linear, where = of_family(runs, "linear"), READING_NAMES[reading]
     return [
         settlement_figure(
-            g,
+            gallery,
             linear,
             f"figure10-settlement-{SLUGS[reading]}",
             f"Figure 10 remade, {where}: settlement, linear contacts",
             "Friction 0.7, 0.8 and 0.9, between clumps and at walls.",
         ),
         lateral_figure(
-            g,
+            gallery,
             linear,
             f"figure10-lateral-{SLUGS[reading]}",
             f"Figure 10 remade, {where}: lateral displacement, linear contacts",
@@ -100,10 +100,10 @@ def figure10(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     ]
 
 
-def figure11(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+def figure11(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     """Settlement of the nonlinear model, a figure per damping mode."""
     return mode_figures(
-        g,
+        gallery,
         runs,
         settlement_figure,
         f"figure11-{SLUGS[reading]}",
@@ -112,10 +112,10 @@ def figure11(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     )
 
 
-def figure12(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+def figure12(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     """Lateral displacement of the nonlinear model, a figure per damping mode."""
     return mode_figures(
-        g,
+        gallery,
         runs,
         lambda *what: lateral_figure(*what, cycles=PROFILE_CYCLES),
         f"figure12-{SLUGS[reading]}",
@@ -124,11 +124,11 @@ def figure12(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     )
 
 
-def figure13(g: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
+def figure13(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
     """Porosity in the measurement spheres, both models on one scale."""
     return [
         porosity_figure(
-            g,
+            gallery,
             Runs(run for run in runs if run.base_name in KEY_SCENARIOS),
             f"figure13-{SLUGS[reading]}",
             f"Figure 13b, c remade, {READING_NAMES[reading]}: porosity during loading",
@@ -145,7 +145,7 @@ def of_family(runs: Sequence[Run], name: str) -> Runs:
 
 
 def mode_figures(
-    g: Gallery,
+    gallery: Gallery,
     runs: Sequence[Run],
     figure: Callable[..., Figure | None],
     name: str,
@@ -156,17 +156,19 @@ def mode_figures(
     undamped = of_family(runs, "nonlinear")
     by_mode = {mode: of_family(runs, f"md{mode}") for mode in MODE_NAMES}
     return [
-        figure(g, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption)
+        figure(
+            gallery, Runs([*undamped, *damped]), f"{name}-md{mode}", f"{title}, Md {mode} ({MODE_NAMES[mode]})", caption
+        )
         for mode, damped in by_mode.items()
         if damped
-    ] or [figure(g, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption)]
+    ] or [figure(gallery, undamped, f"{name}-en1", f"{title}, nonlinear contacts, eₙ = 1", caption)]
 
 
-def shape_figures(g: Gallery, runs: Sequence[Run], reading: str) -> list[Figure | None]:
+def shape_figures(gallery: Gallery, runs: Sequence[Run], reading: str) -> list[Figure | None]:
     """The shape of settlement beside published laws and triaxial tests."""
     return [
         shape_figure(
-            g,
+            gallery,
             runs,
             f"settlement-shape-{SLUGS[reading]}",
             f"Settlement over that of the first cycle, {READING_NAMES[reading]}",
@@ -174,7 +176,7 @@ def shape_figures(g: Gallery, runs: Sequence[Run], reading: str) -> list[Figure 
             "Coefficients are transcribed from secondary quotation.",
         ),
         measured_shape_figure(
-            g,
+            gallery,
             runs,
             f"measured-shape-{SLUGS[reading]}",
             f"Settlement beside triaxial tests, {READING_NAMES[reading]}",
@@ -182,14 +184,14 @@ def shape_figures(g: Gallery, runs: Sequence[Run], reading: str) -> list[Figure 
     ]
 
 
-def further_figures(g: Gallery, runs: Sequence[Run]) -> list[Figure | None]:
+def further_figures(gallery: Gallery, runs: Sequence[Run]) -> list[Figure | None]:
     """Scenarios that are not the paper's."""
     others = Runs(run for run in runs if run.base_name not in (*PAPER_SCENARIOS, *CHEN_SCENARIOS))
     return [
         settlement_figure(
-            g, others, "own-settlement", "Settlement, further scenarios", "Scenarios added to scenarios.toml."
+            gallery, others, "own-settlement", "Settlement, further scenarios", "Scenarios added to scenarios.toml."
         ),
         lateral_figure(
-            g, others, "own-lateral", "Lateral displacement, further scenarios", "Over depth below the sleeper."
+            gallery, others, "own-lateral", "Lateral displacement, further scenarios", "Over depth below the sleeper."
         ),
     ]

@@ -12,7 +12,7 @@ from analysis.report.labels import MODE_NAMES
 from analysis.report.style import SOFT
 
 
-def restitution_figure(g: Gallery) -> Figure:
+def restitution_figure(gallery: Gallery) -> Figure:
     """The paper's Figure 9 and what follows from it: damping factor and effective restitution against nominal e_n."""
     nominal = np.linspace(0, 1, 101)
     factor = style.canvas(
@@ -40,7 +40,7 @@ def restitution_figure(g: Gallery) -> Figure:
     effect.axes.text(0.46, 0.40, "out = in", color=SOFT, fontsize=style.SMALL, rotation=33, rotation_mode="anchor")
     effect.axes.set(xlabel="nominal restitution eₙ", ylabel="restitution of a free impact", xlim=(0, 1), ylim=(0, 1.02))
     factor.table = effect.table = pd.concat(rows, ignore_index=True)
-    return g.finish(
+    return gallery.finish(
         "figure9",
         "Figure 9 remade: the three damping modes",
         "Left: the damping factor D of eq. 16 in the forms that two independent sources give (the equation is damaged "

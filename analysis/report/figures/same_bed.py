@@ -20,27 +20,27 @@ DIFFERENCES = {  # name, hue, marker
 }
 
 
-def same_bed_figure(g: Gallery, found: Sequence[Pair], name: str, title: str) -> Figure | None:
+def same_bed_figure(gallery: Gallery, found: Sequence[Pair], name: str, title: str) -> Figure | None:
     """Settlement of all runs of `found` (pairs from one bed), and the differences within each pair."""
     runs = list({run.id: run for pair in found for run in (pair.one, pair.other)}.values())
-    return g.finish(
+    return gallery.finish(
         name,
         f"One bed, {title}: two codes, two time steps, rounding",
         f"Left: settlement since the end of preload in the first {SHARED_CYCLES} cycles. Right: difference of the two "
         "runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked where "
         "the line of the other code lies no higher than that of the smaller time step; rounding alone (another number "
         "of ranks) is the floor.",
-        [_settlement(g, runs, name), _differences(g, found, name)],
+        [_settlement(gallery, runs, name), _differences(gallery, found, name)],
         runs,
     )
 
 
-def _settlement(g: Gallery, runs: Sequence[Run], name: str) -> Canvas:
+def _settlement(gallery: Gallery, runs: Sequence[Run], name: str) -> Canvas:
     c = style.canvas(f"{name}-settlement", "Settlement of runs from one bed")
     longest = max(run.scenario["time.step"] for run in runs)
     frames = []
     for run in runs:
-        colour, _ = g.look(runs[0].scenario_name)
+        colour, _ = gallery.look(runs[0].scenario_name)
         look, label = CODE_STYLES.get(run.code, OTHER_STYLE), CODE_NAMES.get(run.code, run.code)
         if run.scenario["time.step"] < longest:
             look, label = OTHER_STYLE, f"{label} {1e6 * run.scenario['time.step']:g} µs"
@@ -57,7 +57,7 @@ def _settlement(g: Gallery, runs: Sequence[Run], name: str) -> Canvas:
     return c
 
 
-def _differences(g: Gallery, found: Sequence[Pair], name: str) -> Canvas:
+def _differences(gallery: Gallery, found: Sequence[Pair], name: str) -> Canvas:
     c = style.canvas(f"{name}-differences", "Difference of settlement within each pair")
     frames = []
     for pair in found:

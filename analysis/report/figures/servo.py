@@ -17,7 +17,7 @@ from analysis.report.style import SOFT
 MARKS = {"linear": ("linear", "o"), "hysteretic": ("nonlinear", "s")}
 
 
-def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
+def filter_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
     """Amplitude and lag of the stress against angular frequency times time constant: the filter, and every run by the
     servo.
     """
@@ -53,7 +53,7 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         c.axes.set(xlabel=f"2π × {load.frequency_Hz:g} Hz × time constant", ylabel=label)
         c.table = known
         drawn.append(c)
-    return g.finish(
+    return gallery.finish(
         "servo-filter",
         "PFC's servo is a first-order filter",
         f"Line: what such a filter passes of a {load.frequency_Hz:g} Hz load, and how late, with the bed's mean "
@@ -65,7 +65,7 @@ def filter_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
     )
 
 
-def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
+def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
     """Least and largest stress that the servo applied, per run, beside what was asked for."""
     told = table["variant"].str.fullmatch(r"servo(-gain[\d.]+)?")
     rows = table[told & (table["seed"] == 1) & (table["cycle"] >= servo.LAST_CYCLES)]
@@ -101,7 +101,7 @@ def stress_range_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
         c.axes.axvline(KPA * stress, color=SOFT, linewidth=1, linestyle=(0, (3, 2)))
     c.axes.set(xlabel="stress on the sleeper, kPa", xlim=(0, 480), ylim=(-0.8, len(rows) - 0.2))
     c.table = rows
-    return g.finish(
+    return gallery.finish(
         "servo-stress",
         "The stress that PFC's servo applied",
         "Least to largest over the last five cycles of each first packed bed; broken lines: "

@@ -31,7 +31,7 @@ from analysis.report.style import SOFT
 
 
 def settlement_figure(
-    g: Gallery,
+    gallery: Gallery,
     runs: Sequence[Run],
     name: str,
     title: str,
@@ -40,12 +40,12 @@ def settlement_figure(
     log_only: bool = False,
 ) -> Figure | None:
     """Settlement at minimum load against cycles, on a linear and on a logarithmic axis."""
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     if not curves:
         return None
     scenarios = {curve.scenario for curve in curves}
-    pending = pending_names(g.references, "settlement", scenarios) if references else []
-    rows = reference_rows(g.references, "settlement", scenarios if references else ())
+    pending = pending_names(gallery.references, "settlement", scenarios) if references else []
+    rows = reference_rows(gallery.references, "settlement", scenarios if references else ())
     rows = rows if references else rows.iloc[:0]
     points = reference_csv(rows, cycle="cycle", settlement_m="value", error_m="error")
     last = last_cycle_of(curves)
@@ -66,12 +66,12 @@ def settlement_figure(
         pending_mark(c, pending, rows)
         c.table = pd.concat([curve_rows(curves, ["cycle", "settlement_m", "settlement_peak_m"]), points])
         drawn.append(c)
-    return g.finish(name, title, caption, drawn, runs, curves, pending)
+    return gallery.finish(name, title, caption, drawn, runs, curves, pending)
 
 
-def shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
+def shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Settlement over that after the first cycle, with published laws: shapes alone."""
-    curves = [curve for curve in g.curves(runs) if curve.main.cycles["cycle"].max() >= 2]
+    curves = [curve for curve in gallery.curves(runs) if curve.main.cycles["cycle"].max() >= 2]
     if not curves:
         return None
     c = style.canvas(name, title, right=1.9, width=4.8)
@@ -92,13 +92,13 @@ def shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str, caption
     c.axes.set_ylabel("settlement over that after the first cycle")
     cycle_axis(c, last, True)
     c.table = pd.concat(frames, ignore_index=True)
-    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
+    return gallery.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
 
 
-def measured_shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
+def measured_shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str) -> Figure | None:
     """Settlement over that after a late cycle, beside strains measured in triaxial tests: shapes alone."""
     known = settlement_shapes()
-    curves = g.curves(runs)
+    curves = gallery.curves(runs)
     reached = [n for n in (10, 100, 1000) if n <= last_cycle_of(curves)] if curves else []
     if not reached:
         return None
@@ -127,4 +127,4 @@ def measured_shape_figure(g: Gallery, runs: Sequence[Run], name: str, title: str
         f"they cannot "
         f"decide: {known.cannot_decide}. Weakness: {known.weakness}."
     )
-    return g.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
+    return gallery.finish(name, title, caption, [c], [curve.main for curve in curves], curves)

@@ -16,18 +16,18 @@ LARGEST_SHARE = 0.9
 """Of the critical step: no run is loaded beyond 0.85 of it."""
 
 
-def timestep_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
+def timestep_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
     """Settlement against step over critical step: a panel per scenario and cycle, a mark per bed."""
     done = table[(table["state"] == "done") & (table["ranks"] == 1)]
     drawn = [
-        _panel(g, rows, scenario, cycle)
+        _panel(gallery, rows, scenario, cycle)
         for scenario, of_scenario in done.groupby("scenario", sort=False)
         for cycle in CYCLES
         if len(rows := of_scenario[of_scenario["cycle"] == cycle]) > 1
     ]
     if not drawn:
         return None
-    return g.finish(
+    return gallery.finish(
         "timestep",
         "Settlement against the time step",
         "Each panel has its own scale, from zero. Marks of one shape are runs from one packed bed, joined by a line; "
@@ -38,12 +38,12 @@ def timestep_figure(g: Gallery, table: pd.DataFrame) -> Figure | None:
     )
 
 
-def _panel(g: Gallery, rows: pd.DataFrame, scenario: str, cycle: int) -> Canvas:
+def _panel(gallery: Gallery, rows: pd.DataFrame, scenario: str, cycle: int) -> Canvas:
     name = short_name(scenario)
     c = style.canvas(
         f"timestep-{scenario}-{cycle}", f"Settlement after {cycle} cycles against the time step, {name}", right=1.0
     )
-    colour, _ = g.look(scenario)
+    colour, _ = gallery.look(scenario)
     beds = dict.fromkeys(rows["bed"])
     for (n, bed), mark in zip(enumerate(beds, 1), MARKS * len(beds), strict=False):
         part = rows[rows["bed"] == bed].sort_values("step_share")

@@ -80,7 +80,7 @@ def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
     return found
 
 
-def case_figure(g: Gallery, folder: Path, name: str, title: str, case: type[Case] | None, rows: pd.DataFrame):
+def case_figure(gallery: Gallery, folder: Path, name: str, title: str, case: type[Case] | None, rows: pd.DataFrame):
     """Sketch of a case, one curve of it with what was expected, and all its errors against their tolerances.
 
     case -- None where verification.csv names one that is not known any more: there are errors only
@@ -95,7 +95,7 @@ def case_figure(g: Gallery, folder: Path, name: str, title: str, case: type[Case
             drawn.append(_curve(f"{stem}-curve", curves, series, column))
             caption = f"Curve: {series}; broad grey is expected. {_off(curves, series, column)} "
     caption += "Errors: every comparison (mark) and its tolerance (bar)."
-    figure = g.finish(stem, title, caption, [*drawn, _errors(f"{stem}-errors", rows)], [])
+    figure = gallery.finish(stem, title, caption, [*drawn, _errors(f"{stem}-errors", rows)], [])
     if figure:
         codes = [code for code in CODE_NAMES if code in set(rows["code"])]
         figure.key = [{"label": CODE_NAMES[code], "code": code} for code in codes]

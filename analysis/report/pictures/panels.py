@@ -130,13 +130,13 @@ def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title
     return c
 
 
-def _scale_bar(c: style.Canvas, view: render.Camera, foot: float) -> None:
+def _scale_bar(canvas: style.Canvas, view: render.Camera, foot: float) -> None:
     """A bar of 100 mm at the lower left, and what the plan of the picture is."""
-    width, height = c.figure.get_size_inches()
+    width, height = canvas.figure.get_size_inches()
     share = 0.1 / (view.high[0] - view.low[0])
     y = (style.STAMP_HEIGHT + 0.45 * foot) / height
-    c.figure.add_artist(_line([0.02, 0.02 + share], [y, y]))
-    c.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=12, va="top", color=style.INK)
+    canvas.figure.add_artist(_line([0.02, 0.02 + share], [y, y]))
+    canvas.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=12, va="top", color=style.INK)
 
 
 def _line(xs, ys):

@@ -8,13 +8,13 @@ from collections.abc import Iterable
 import pandas as pd
 
 from analysis.formats.quantities import CODES, QUANTITIES
-from analysis.report.demo_outcome import ALIKE_FACTOR, Beside, Outcome
+from analysis.report.demo_outcome import ALIKE_FACTOR, Beside, DemoOutcome
 from analysis.report.tables.base import Chip, Shown, Table, frame_table, number
 
 SETTLEMENT = QUANTITIES["settlement_m"]
 
 
-def outcome_table(made: Iterable[Outcome]) -> Table | None:
+def outcome_table(made: Iterable[DemoOutcome]) -> Table | None:
     """Settlement of both codes from one bed, and of the full bed, after the same cycle."""
     rows = [
         {"scenario": o.scenario, "reading": o.reading, "cycle": o.cycle}

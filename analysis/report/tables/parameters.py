@@ -26,10 +26,10 @@ def difference_table(scenarios: dict[str, Scenario]) -> Table:
     return Table("Parameters in which any two scenarios differ, SI units", columns, rows)
 
 
-def derived_table(s: Scenario) -> Table:
+def derived_table(scenario: Scenario) -> Table:
     """Quantities that follow from the parameters."""
-    clump, box, grid = derived.clump(s), derived.apparatus(s), derived.time_grid(s)
-    ends = [s["loading.stress_min"], s["loading.stress_max"]]
+    clump, box, grid = derived.clump(scenario), derived.apparatus(scenario), derived.time_grid(scenario)
+    ends = [scenario["loading.stress_min"], scenario["loading.stress_max"]]
     asked = " and ".join(number(stress, 3, KPA) for stress in ends)
     rows = [
         ["radius of the two spheres", number(clump.radius_m, 5, MM), "mm"],
@@ -49,7 +49,7 @@ def derived_table(s: Scenario) -> Table:
         ["time step", number(grid.step_s, 4), "s"],
         ["steps per cycle", str(grid.steps_per_cycle), ""],
     ]
-    return Table(f"Of {s.name} at full size", [Column("quantity"), Column("value", True), Column("unit")], rows)
+    return Table(f"Of {scenario.name} at full size", [Column("quantity"), Column("value", True), Column("unit")], rows)
 
 
 def sensitivity_table(runs: Iterable[Run]) -> Table:

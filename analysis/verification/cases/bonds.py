@@ -39,7 +39,7 @@ def contact_law(scenario: Scenario) -> oracle.Linear:
     return oracle.Linear(*stiffness, scenario["contact.particle_particle.friction"])
 
 
-class Paths(ProbedCase):
+class BondPaths(ProbedCase):
     """Two bonded spheres, one held, one moved: force and torque at every point, and the load at which the bond breaks.
 
     The last path ends with the broken pair pressed and slid: nothing but the linear contact is left.
@@ -493,4 +493,4 @@ class Clumps(ProbedCase):
             )
 
 
-CASES = (Paths, Cantilever, Energy, Clumps)
+CASES = (BondPaths, Cantilever, Energy, Clumps)

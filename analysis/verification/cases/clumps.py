@@ -313,7 +313,7 @@ class Pairs(ProbedCase):
             results.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
 
 
-class Column(ProbedCase):
+class LoadedColumn(ProbedCase):
     """Case 8: a column of clumps falls on the floor under gravity.
 
     Without friction and damping its energy stays within 0.5 % over 1e5 steps. With friction the balance closes: energy
@@ -493,4 +493,4 @@ def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: floa
     return slip, dashpot
 
 
-CASES = (FreeRotation, Bounces, Pairs, Column)
+CASES = (FreeRotation, Bounces, Pairs, LoadedColumn)
