@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 from analysis.formats.numbers import plural
 from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
-from analysis.report.labels import MM, READING_NAMES, short_name, variant_name
+from analysis.report.labels import MM, READING_NAMES, SOURCE_NAMES, short_name, variant_name
 from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables.base import number
@@ -49,6 +49,7 @@ def environment(**options) -> jinja2.Environment:
         "paper": paper(),
         "label": short_name,
         "variant_label": variant_name,
+        "source_name": source_name,
         "reading_name": lambda reading: READING_NAMES[reading],
         "code_name": lambda code: CODE_NAMES.get(code, code),
         "verdict_words": lambda verdict, count: VERDICT_WORDS.get(verdict, (verdict, verdict))[count != 1],
@@ -59,6 +60,12 @@ def environment(**options) -> jinja2.Environment:
 def slug(text: str) -> str:
     """A heading as an anchor."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+
+
+def source_name(source: str) -> str:
+    """A source of reference curves in words: `chen2015 (simulation)` is the simulation of Chen 2015."""
+    name = SOURCE_NAMES.get(source.partition(" (")[0], source)
+    return name.removeprefix("the ")
 
 
 def breaks(key: str) -> Markup:

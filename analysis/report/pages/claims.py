@@ -62,8 +62,8 @@ def readings_table(found: list) -> Table | None:
 
 
 def labelled(text: str) -> str:
-    """A text with scenarios by their labels."""
-    return with_labels(text, known_scenarios())
+    """A text with scenarios by their labels, and signs as they are printed."""
+    return with_labels(text, known_scenarios()).replace("+-", "±").replace("->", "→")
 
 
 def card(number: int, found: list) -> dict:
@@ -80,7 +80,7 @@ def card(number: int, found: list) -> dict:
     )
     for v in found:
         for check in v.checks:
-            numbers = check.numbers.replace("+-", "±") or "–"
+            numbers = check.numbers or "–"
             table.rows.append([where_of(v), labelled(check.what), chip_of(check.verdict), labelled(numbers)])
     bases = "; ".join(dict.fromkeys(f"{where_of(v)}: {v.uncertainty}" for v in found if any(v.runs)))
     runs = dict.fromkeys(run for v in found for run in v.runs)
@@ -89,11 +89,11 @@ def card(number: int, found: list) -> dict:
         "id": number,
         "title": claim.sentence,
         "verdicts": verdicts_of(found),
-        "criterion": f"{claim.where}. {claim.quantity} {claim.criterion}",
+        "criterion": labelled(f"{claim.where}. {claim.quantity} {claim.criterion}"),
         "because": [
             labelled(line) for line in dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)
         ],
         "missing": [labelled(what) for what in dict.fromkeys(what for v in found for what in v.missing)],
         "table": table,
-        "notes": list(dict.fromkeys(note for v in found for note in v.notes)),
+        "notes": [labelled(note) for note in dict.fromkeys(note for v in found for note in v.notes)],
     }
