@@ -192,10 +192,12 @@ def pending_mark(canvas: Canvas, pending: Sequence[str], drawn: pd.DataFrame | N
     are rows of those that are there.
     """
     if pending:
+        inside = bool(canvas.axes.get_title("left"))
+        between = "\n" if inside else " "
         canvas.axes.text(
             1,
-            0.02 if canvas.axes.get_title("left") else 1.02,
-            "reference curves pending" if drawn is None or not len(drawn) else "some reference curves pending",
+            0.02 if inside else 1.02,
+            ("reference" if drawn is None or not len(drawn) else "some reference") + between + "curves pending",
             transform=canvas.axes.transAxes,
             fontsize=style.SMALL,
             color=SOFT,

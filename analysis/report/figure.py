@@ -17,7 +17,7 @@ import pandas as pd
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report import style
-from analysis.report.labels import basis_of, is_reading, is_varied, short_name
+from analysis.report.labels import basis_of, is_reading, is_varied, of_any_bed, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, CODE_STYLES, OTHER_STYLE, Canvas, Panel
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 
@@ -108,12 +108,13 @@ class Gallery:
     def _shades(runs: Runs, order: Sequence[str]) -> dict[str, tuple[str, float]]:
         """Scenario -> (family, level): members of a family go from pale to deep in the order of the scenario file.
 
-        A reading of the load looks like its scenario; other variants share a family of their own, so that they do not
-        crowd the others.
+        A reading of the load looks like its scenario, whatever bed it began from; other variants share a family of
+        their own, so that they do not crowd the others.
         """
         families: dict[str, list[str]] = {}
         setups = {run.scenario_name: run.scenario for run in runs}
-        for name in [*order, *sorted(name for name in set(setups) - set(order) if not is_reading(name))]:
+        added = {of_any_bed(name) for name in setups} - set(order)
+        for name in [*order, *sorted(name for name in added if not is_reading(name))]:
             if is_varied(name):
                 family = "other"
             else:
@@ -134,7 +135,8 @@ class Gallery:
 
     def look(self, scenario: str) -> tuple[str, str]:
         """(colour, family) of a scenario."""
-        known = basis_of(scenario) if is_reading(scenario) else scenario
+        known = of_any_bed(scenario)
+        known = basis_of(known) if is_reading(known) else known
         family, level = self._levels.get(known, ("other", 0.0))
         return style.shade(family, level), family
 
@@ -150,7 +152,8 @@ class Gallery:
         for (scenario, code), members in groups.items():
             colour, family = self.look(scenario)
             sign = f" {CODE_SIGNS.get(code, '◆')}" if len(codes) > 1 else ""
-            called = short_name(basis_of(scenario) if one_reading else scenario)
+            alone = (of_any_bed(scenario), code) not in groups
+            called = short_name(basis_of(scenario) if one_reading else of_any_bed(scenario) if alone else scenario)
             label = f"{called} {CODE_NAMES.get(code, code)}" + (
                 f", mean of {len(members)} beds" if len(members) > 1 else ""
             )

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-from analysis.comparison.findings.members import SERVO, SERVO_VARIANT, TRUE_LOAD
+from analysis.comparison.findings.members import SAME_BED_VARIANT, SERVO, SERVO_VARIANT, TRUE_LOAD
 from analysis.formats.numbers import readable as number
 from analysis.normalised.readers import Run
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios import derived
-from analysis.scenarios.scenario import label_of, split_id
+from analysis.scenarios.scenario import join_id, label_of, split_id
 
 MM, KPA = 1e3, 1e-3
 
@@ -39,6 +39,12 @@ def is_varied(scenario: str) -> bool:
 def is_reading(scenario: str) -> bool:
     """True where the id of a scenario names PFC's servo and no other variant: a reading of the paper's load."""
     return split_id(scenario)[1] == (SERVO_VARIANT,)
+
+
+def of_any_bed(scenario: str) -> str:
+    """The id of a scenario whatever bed it began from: without the variant that takes another code's."""
+    name, variants = split_id(scenario)
+    return join_id(name, [variant for variant in variants if variant != SAME_BED_VARIANT])
 
 
 def short_name(scenario: str) -> str:

@@ -229,6 +229,12 @@ def _make_room(canvas: Canvas, size: float) -> None:
     room = (1 - widest - place.x0) / 1.06
     if room < place.width:
         canvas.axes.set_position([place.x0, place.y0, max(room, 0.3), place.height])
+        label = canvas.axes.xaxis.label
+        width = canvas.figure.text(0, 0, label.get_text(), fontsize=label.get_fontsize())
+        if width.get_window_extent(renderer).width > 0.95 * canvas.axes.get_window_extent().width:
+            label.set_horizontalalignment("left")
+            label.set_x(-0.25)
+        width.remove()
 
 
 def _apart(positions: np.ndarray, step: float, low: float, high: float) -> np.ndarray:

@@ -41,7 +41,14 @@ def demo_page(data: ReportData) -> dict | None:
                 "At minimum load, zero at the end of preload.",
             ),
             bed_figure(g, pictured, "bed-demo", "after", "The demo bed after loading", "Coloured by displacement."),
-            lateral_figure(g, runs, "lateral-demo", "Lateral displacement of the plates", "Outward, at minimum load."),
+            lateral_figure(
+                g,
+                runs,
+                "lateral-demo",
+                "Lateral displacement of the plates",
+                "Outward, at minimum load.",
+                references=False,
+            ),
             porosity_figure(
                 g, runs, "porosity-demo", "Porosity in the measurement spheres", "Cycle 0 is the end of preload."
             )
