@@ -13,7 +13,6 @@ from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SAME_BED_VARIANT, Member
 from analysis.comparison.quantities import last_cycle
 from analysis.formats.quantities import CODES
-from analysis.report.answer import only
 from analysis.report.sentences import lines
 
 PROFILE = "demo"
@@ -97,6 +96,7 @@ def of_the_demo(members: Iterable[Member]) -> list[Member]:
 def outcomes(found: Findings) -> list[DemoOutcome]:
     """What each scenario and reading of the demo came to; of several runs of a code the one that shares its bed."""
     members, made = of_the_demo(found.members), []
+    beside = {(b.scenario, b.reading, b.cycle): b.full_m for b in beside_full(found.members)}
     for scenario in dict.fromkeys(m.scenario for m in members):
         for reading in READINGS:
             chosen: dict[str, Member] = {}
@@ -107,15 +107,7 @@ def outcomes(found: Findings) -> list[DemoOutcome]:
             if not chosen:
                 continue
             cycle = min(last_cycle(m.run) for m in chosen.values())
-            full = only(
-                found.values,
-                profile="full",
-                scenario=scenario,
-                reading=reading,
-                code="liggghts",
-                quantity="settlement_m",
-                cycle=cycle,
-            )["mean"]
+            full = beside.get((scenario, reading, cycle), ())
             beds = {m.bed for m in chosen.values()}
             made.append(
                 DemoOutcome(
@@ -128,7 +120,7 @@ def outcomes(found: Findings) -> list[DemoOutcome]:
                         if code in chosen
                     },
                     len(chosen) == len(CODES) and len(beds) == 1 and "" not in beds,
-                    float(full.iloc[0]) if len(full) else math.nan,
+                    float(np.mean(full)) if full else math.nan,
                 )
             )
     return made

@@ -30,7 +30,7 @@ def demo_page(data: ReportData) -> dict | None:
     return {
         "box": box,
         "left_out": [k for k, inside in zip(SPHERES, box.measurement_fits, strict=True) if not inside] if box else [],
-        "answer": lines("answer.txt", **answer(data.findings, KEY_SCENARIOS, PROFILE)),
+        "answer": lines("answer.txt", **answer(data.findings, KEY_SCENARIOS, PROFILE) | {"same_bed": []}),
         "figures": [
             both_readings_figure(
                 g,
