@@ -17,6 +17,7 @@ from analysis.normalised.frames import read_table
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report import demo_outcome
+from analysis.report.tables.demo import beside_table
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 
@@ -165,5 +166,5 @@ def test_the_demo_bed_is_told_beside_the_full_beds_over_their_packings(tmp_path)
     assert sorted(rows[1].demo_m) == sorted(demo) and sorted(rows[1].full_m) == sorted(full)
     assert rows[1].ratio == pytest.approx(np.mean(demo) / np.mean(full))
     far = demo_outcome.Beside(LINEAR, "true load", 1, (2.1e-3,), (1e-3, 1e-3), 2e-3, 1e-3)
-    table = demo_outcome.beside_table([rows[0], far])
+    table = beside_table([rows[0], far])
     assert not far.alike and table.rows[1][6].text == "no" and table.rows[1][4] == "1 (1 to 1, 2 beds)"

@@ -70,7 +70,7 @@ def _view(run: Run, name: str, axis: str) -> style.Canvas:
     along = {"x": "along the sleeper", "y": "across the sleeper"}[axis]
     heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}"
     key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
-    c = style.canvas(f"{key}-{axis}", f"{heading}: where bonds broke, {along}", width=5.2, height=3.0, right=1.75)
+    c = style.canvas(f"{key}-{axis}", f"{heading}: where bonds broke, {along}", right=1.3)
     k = "xy".index(axis)
     blocks = [box.sleeper, *(box.plates if axis == "x" else ())]
     for block in blocks:

@@ -26,9 +26,8 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
             f"Change of {what} in {short_name(scenario)}, {READING_NAMES[reading]}; largest: "
             f"{variant_name(part['variant'].iloc[-1])} {100 * part['change_ratio'].iloc[-1]:+.0f} %",
             height=0.9 + 0.24 * len(part),
-            left=1.75,
-            right=0.75,
-            width=4.8,
+            left=1.6,
+            right=0.6,
         )
         scatter = part["scatter_ratio"].dropna()
         if len(scatter):

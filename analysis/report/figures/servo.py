@@ -78,9 +78,8 @@ def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         "servo-range",
         "Least and largest stress on the sleeper by PFC's servo",
         height=0.9 + 0.2 * len(rows),
-        left=2.5,
+        left=2.0,
         right=0.2,
-        width=5.2,
     )
     for n, row in enumerate(rows.itertuples()):
         hue = MARKS[row.law][0]

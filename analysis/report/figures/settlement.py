@@ -74,7 +74,7 @@ def shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, c
     curves = [curve for curve in gallery.curves(runs) if curve.main.cycles["cycle"].max() >= 2]
     if not curves:
         return None
-    c = style.canvas(name, title, right=1.9, width=4.8)
+    c = style.canvas(name, title, right=1.9)
     last, frames = last_cycle_of(curves), []
     for curve in curves:
         table = curve.column("settlement_m")[["value"]]
@@ -103,7 +103,7 @@ def measured_shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, titl
     if not reached:
         return None
     reference, frames = reached[-1], []
-    c = style.canvas(name, title, right=1.9, width=4.8)
+    c = style.canvas(name, title, right=1.9)
     for curve in curves:
         values = curve.main.cycles.set_index("cycle")["settlement_m"]
         if not values.get(reference, 0) > 0:
