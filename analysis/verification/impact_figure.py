@@ -18,6 +18,7 @@ LOOK = ROOT / "analysis" / "report" / "report.mplstyle"
 COLOURS = ("#006dbd", "#ab2500", "#009876", "#8a2f87", "#a47e00", "#5b5f66")
 MARKS = {"liggghts": {"marker": "o", "linestyle": "none"}, "yade": {"marker": "x", "linestyle": "none"}}
 LINES = {"liggghts": "-", "yade": (0, (5, 2))}
+LEGEND_WIDTH = 1.9  # inches
 DRAWN = ("restitution", "tangential_restitution", "rebound_angle_degrees", "impulse_ratio")
 SUFFIXES = {"_m_s": "m/s", "_rad_s": "rad/s", "_degrees": "degrees", "_N": "N", "_Pa": "Pa", "_m": "m", "_s": "s"}
 
@@ -30,7 +31,7 @@ def draw(path: Path, file: ImpactFile, rows: list[dict], series: dict[tuple[str,
     """
     with matplotlib.style.context(LOOK, after_reset=True):
         names = file.figure or DRAWN if file.swept else ("overlap_m", "normal_force_N")
-        figure = Figure(figsize=(4.2 * len(names), 3.4), layout="constrained", facecolor="white")
+        figure = Figure(figsize=(4.2 * len(names) + LEGEND_WIDTH, 3.4), layout="constrained", facecolor="white")
         FigureCanvasAgg(figure)
         for axes, name in zip(np.atleast_1d(figure.subplots(1, len(names))), names, strict=True):
             if file.swept:
@@ -38,7 +39,7 @@ def draw(path: Path, file: ImpactFile, rows: list[dict], series: dict[tuple[str,
             else:
                 _over_time(axes, series, name)
             axes.set_ylabel(label(name))
-        axes.legend()
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center")  # never on a curve
         figure.suptitle(file.title, fontsize=10)
         path.parent.mkdir(parents=True, exist_ok=True)
         for ending in ("png", "svg"):
