@@ -24,6 +24,7 @@ from analysis.normalised import beds, bonds, microstructure, stages
 from analysis.normalised.frames import read_table
 from analysis.reference.ballast_stiffness import ballast_stiffness
 from analysis.reference.curves import ReferenceError, load_references
+from analysis.reference.reported import reported
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.scenarios import cost, derived, study
@@ -256,6 +257,7 @@ OF_THE_LITERATURE = {
     "settlement_laws/laws.toml": settlement_laws,
     "settlement_shapes/shapes.toml": settlement_shapes,
     "ballast_stiffness/stiffness.toml": ballast_stiffness,
+    "talebiahooie2021/reported.toml": reported,
 }
 
 

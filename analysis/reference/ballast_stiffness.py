@@ -8,7 +8,7 @@ from pathlib import Path
 
 from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys, require_texts
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,8 @@ def ballast_stiffness(folder: Path = PUBLISHED) -> list[BallastStiffness]:
     path = Path(folder) / "ballast_stiffness" / "stiffness.toml"
     try:
         found = [BallastStiffness(**entry) for entry in toml_file.read(path)["stiffness"]]
+        for one in found:
+            require_texts(one.id, one.source, one.status, one.note)
     except (KeyError, TypeError, ValueError) as error:
         raise ReferenceError(
             f"{path.name}: cannot be used ({error}); each [[stiffness]] has id, value_N_m, source, status and note"

@@ -20,7 +20,7 @@ import pandas as pd
 
 from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.formats.errors import InputError, reason
+from analysis.formats.errors import InputError, reason, shown
 from analysis.reference import webplotdigitizer
 from analysis.reference.webplotdigitizer import Dataset, DigitiserError
 from analysis.scenarios.scenario import load_scenario, scenario_names
@@ -375,6 +375,13 @@ def citation_keys(bibliography: Path) -> list[str]:
     except OSError as error:
         raise ReferenceError(bibliography.name, allowed=f"cannot be read ({reason(error)})") from None
     return re.findall(r"^@\w+\{\s*([^,\s]+)\s*,", text, re.MULTILINE)
+
+
+def require_texts(*values: object) -> None:
+    """TypeError where one of the values is no text."""
+    for value in values:
+        if not isinstance(value, str):
+            raise TypeError(f"{shown(value)} stands where a text is expected")
 
 
 def _axes(sidecar: Path, head: dict) -> tuple[str, str]:

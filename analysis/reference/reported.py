@@ -10,6 +10,9 @@ from analysis.formats import toml_file
 from analysis.formats.errors import InputError
 from analysis.reference.curves import REPORTED, ReferenceError
 
+LARGEST = 1e6
+"""More clumps than any bed of the paper has."""
+
 
 @dataclass(frozen=True)
 class Reported:
@@ -42,6 +45,9 @@ def reported(folder: Path = PUBLISHED) -> Reported:
         )
     for name, entry in table.items():
         value = entry.get("value") if isinstance(entry, dict) else None
-        if not (isinstance(value, (int, float)) and value > 0 and entry.get("unit") == "-" and entry.get("source")):
-            raise ReferenceError(f'{path.name}: {name}: allowed: a value above 0, unit = "-" and source')
+        number = type(value) in (int, float) and 0 < value <= LARGEST
+        if not (number and entry.get("unit") == "-" and isinstance(entry.get("source"), str)):
+            raise ReferenceError(
+                f'{path.name}: {name}: allowed: a value above 0 and up to {LARGEST:g}, unit = "-" and source'
+            )
     return Reported(**{name: entry["value"] for name, entry in table.items()})

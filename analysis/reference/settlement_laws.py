@@ -9,7 +9,7 @@ import numpy as np
 
 from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys, require_texts
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,8 @@ def settlement_laws(folder: Path = PUBLISHED) -> list[SettlementLaw]:
     try:
         entries = toml_file.read(path)["law"]
         laws = [SettlementLaw(**(e | {"source": tuple(e["source"])})) for e in entries]
+        for law in laws:
+            require_texts(law.id, law.label, law.form, *law.source, law.status, law.note)
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ReferenceError(
             f"{path.name}: cannot be used ({error}); each [[law]] has id, label, form, coefficient, "
@@ -47,7 +49,8 @@ def settlement_laws(folder: Path = PUBLISHED) -> list[SettlementLaw]:
         ) from None
     known = citation_keys(path.with_name("reference.bib"))
     for law in laws:
-        if law.form not in ("logarithm", "power") or not 0 < law.coefficient < 2:
+        known_form = law.form in ("logarithm", "power")
+        if not known_form or not isinstance(law.coefficient, (int, float)) or not 0 < law.coefficient < 2:
             raise ReferenceError(
                 f"{path.name}: {law.id}: form = {law.form}, coefficient = {law.coefficient} is "
                 "refused; allowed: logarithm or power, > 0 and < 2"

@@ -9,7 +9,7 @@ import numpy as np
 
 from analysis.files import PUBLISHED
 from analysis.formats import toml_file
-from analysis.reference.curves import ReferenceError, citation_keys
+from analysis.reference.curves import ReferenceError, citation_keys, require_texts
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,9 @@ def settlement_shapes(folder: Path = PUBLISHED) -> SettlementShapes:
             for entry in content["shape"]
         )
         found = SettlementShapes(shapes, **content["about"])
+        for shape in shapes:
+            require_texts(shape.id, shape.label, shape.source, shape.condition)
+        require_texts(*content["about"].values())
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ReferenceError(
             f"{path.name}: cannot be used ({error}); [about] has quantity, status, provenance, weakness, decides and "
