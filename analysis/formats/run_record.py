@@ -117,7 +117,11 @@ class RunRecord:
         for name, unknown in (("variant", ""), ("parts", []), ("repeatable", None)):
             if body[name] == unknown:
                 del body[name]
-        return body | self.more | {"timing": dataclasses.asdict(self.timing)}
+        timing = dataclasses.asdict(self.timing)
+        for name in ("cpu_s", "cpu_steps"):
+            if not timing[name]:
+                timing.pop(name)
+        return body | self.more | {"timing": timing}
 
     def write(self, folder: Path) -> None:
         """Replace run.json in one go."""

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from analysis.comparison import quantities
+from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import (
@@ -19,7 +20,7 @@ from analysis.report.curves import (
 )
 from analysis.report.figure import Curve, Figure, Gallery
 from analysis.report.labels import MM
-from analysis.report.style import PAPER, SOFT
+from analysis.report.style import PAPER, SOFT, Canvas
 
 PROFILE_CYCLES = (1, 100, 1000)
 """Cycles after which the paper shows lateral displacement over depth."""
@@ -38,79 +39,56 @@ def lateral_figure(
     curves = gallery.curves(runs)
     if not curves:
         return None
-    cycles = cycles or shown_cycles(runs)
     scenarios = {curve.scenario for curve in curves}
     pending = pending_names(gallery.references, "lateral_displacement", scenarios) if references else []
     drawn = []
-    for cycle in cycles:
-        c = style.canvas(
-            f"{name}-{cycle}", f"{title} after {cycle} cycle{'s' if cycle > 1 else ''}", width=3.7, height=3.1
-        )
-        c.leaders = False
-        frames = []
-        for curve in curves:
-            table = lateral_profile(curve, cycle)
-            if table.empty:
-                continue
-            depth = MM * table.index.to_numpy()
-            colour = curve.colour
-            if (table["high"] > table["low"]).any():
-                c.axes.fill_betweenx(
-                    depth, MM * table["low"], MM * table["high"], color=colour, alpha=0.18, linewidth=0
-                )
-            c.axes.plot(
-                MM * table["value"],
-                depth,
-                color=colour,
-                markersize=4.2,
-                markeredgewidth=1.0,
-                markerfacecolor=PAPER if curve.code == "yade" else colour,
-                **curve.look,
-            )
-            c.labels.append((0.0, depth[-1], curve.tag, colour))
-            frames.append(
-                table.rename(columns={k: f"lateral_{k}_m" for k in table})
-                .rename_axis("depth_m")
-                .reset_index()
-                .assign(
-                    profile=curve.main.profile,
-                    scenario=curve.scenario,
-                    code=curve.code,
-                    seeds=len(curve.runs),
-                    cycle=cycle,
-                )
-            )
-        if not frames:
-            c.axes.text(
-                0.5,
-                0.5,
-                f"no run has reached\ncycle {cycle} yet",
-                transform=c.axes.transAxes,
-                ha="center",
-                va="center",
-                color=SOFT,
-                fontsize=9,
-            )
-        rows = (
-            reference_rows(gallery.references, "lateral_displacement", scenarios, cycle=cycle)
-            if references
-            else pd.DataFrame()
-        )
-        if len(rows):
-            draw_references(c, rows, "depth_m", MM, across=True, scale=MM)
-        c.axes.set_ylim(335, -8)
-        c.axes.axvline(0, color=SOFT, linewidth=0.7, zorder=1)
-        c.axes.xaxis.set_major_locator(MaxNLocator(4))
-        c.axes.set(xlabel="outward displacement of the plates, mm", ylabel="depth below the sleeper, mm")
-        c.axes.set_title(f"after {cycle} cycle{'s' if cycle > 1 else ''}")
-        pending_mark(c, pending, rows)
-        if len(rows):
-            frames.append(
-                reference_csv(rows, depth_m="depth_m", lateral_value_m="value", error_m="error", cycle="cycle")
-            )
-        c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
-        drawn.append(c)
+    for cycle in cycles or shown_cycles(runs):
+        rows = pd.DataFrame()
+        if references:
+            rows = reference_rows(gallery.references, "lateral_displacement", scenarios, cycle=cycle)
+        drawn.append(_panel(curves, f"{name}-{cycle}", title, cycle, rows, pending))
     return gallery.finish(name, title, caption, drawn, runs, curves, pending)
+
+
+def _panel(
+    curves: Sequence[Curve], name: str, title: str, cycle: int, rows: pd.DataFrame, pending: Sequence[str]
+) -> Canvas:
+    """The profiles after one number of cycles, and the reference curves `rows`."""
+    when = f"after {plural(cycle, 'cycle')}"
+    c = style.canvas(name, f"{title} {when}", width=3.7, height=3.1)
+    c.leaders = False
+    frames = [frame for curve in curves if (frame := _draw_profile(c, curve, cycle)) is not None]
+    if not frames:
+        text = f"no run has reached\ncycle {cycle} yet"
+        c.axes.text(0.5, 0.5, text, transform=c.axes.transAxes, ha="center", va="center", color=SOFT, fontsize=9)
+    if len(rows):
+        draw_references(c, rows, "depth_m", MM, across=True, scale=MM)
+        frames.append(reference_csv(rows, depth_m="depth_m", lateral_value_m="value", error_m="error", cycle="cycle"))
+    c.axes.set_ylim(335, -8)
+    c.axes.axvline(0, color=SOFT, linewidth=0.7, zorder=1)
+    c.axes.xaxis.set_major_locator(MaxNLocator(4))
+    c.axes.set(xlabel="outward displacement of the plates, mm", ylabel="depth below the sleeper, mm")
+    c.axes.set_title(when)
+    pending_mark(c, pending, rows)
+    c.table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=["depth_m", "cycle"])
+    return c
+
+
+def _draw_profile(c: Canvas, curve: Curve, cycle: int) -> pd.DataFrame | None:
+    """Draw one curve's profile; its rows for the CSV, None where it has not reached the cycle."""
+    table = lateral_profile(curve, cycle)
+    if table.empty:
+        return None
+    depth, colour = MM * table.index.to_numpy(), curve.colour
+    if (table["high"] > table["low"]).any():
+        c.axes.fill_betweenx(depth, MM * table["low"], MM * table["high"], color=colour, alpha=0.18, linewidth=0)
+    face = PAPER if curve.code == "yade" else colour
+    marks = {"markersize": 4.2, "markeredgewidth": 1.0, "markerfacecolor": face}
+    c.axes.plot(MM * table["value"], depth, color=colour, **marks, **curve.look)
+    c.labels.append((0.0, depth[-1], curve.tag, colour))
+    of = {"profile": curve.main.profile, "scenario": curve.scenario, "code": curve.code, "seeds": len(curve.runs)}
+    named = table.rename(columns={k: f"lateral_{k}_m" for k in table}).rename_axis("depth_m").reset_index()
+    return named.assign(**of, cycle=cycle)
 
 
 def lateral_profile(curve: Curve, cycle: int) -> pd.DataFrame:

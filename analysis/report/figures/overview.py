@@ -41,11 +41,38 @@ def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
     _ballast(ax, scenario, box)
     ax.plot([0, 0, box.length_m, box.length_m], [box.height_m, 0, 0, 0], color=INK, linewidth=2)
     ax.plot([box.length_m] * 2, [box.plates[-1].high[2], box.height_m], color=INK, linewidth=2)
+    _spheres(ax, box)
+    top = box.sleeper.high
+    _sleeper(ax, box)
+    _load(ax, top, low, high, frequency)
+    _plates(ax, box, scenario)
+    ax.text(0.0, -0.018, "1 to 3: porosity is measured here", fontsize=10.6, color=style.shade("linear"), va="top")
+    ax.set(xlim=(-0.03, box.length_m + 0.13), ylim=(-0.06, top[2] + 0.2), aspect="equal")
+    ax.set_axis_off()
+    c.table = _corners(box)
+    return gallery.finish(
+        "test",
+        "The test",
+        f"Side view; the box is {MM * box.width_m:g} mm wide, "
+        f"{MM * (box.width_m - scenario['geometry.sleeper_width']) / 2:g} mm "
+        f"of ballast (the cribs) on either side of the sleeper. {low:.3g} to {high:.3g} kN are "
+        f"{KPA * scenario['loading.stress_min']:g} to {KPA * scenario['loading.stress_max']:g} kPa under the sleeper.",
+        [c],
+        [],
+    )
+
+
+def _spheres(ax, box) -> None:
+    """The measurement spheres, numbered."""
     for k, (x, _, z) in enumerate(box.measurement_centres_m):
         ax.add_patch(
             Circle((x, z), box.measurement_radius_m, fill=False, edgecolor=style.shade("linear"), linewidth=1.2)
         )
         ax.text(x, z, str(k + 1), ha="center", va="center", fontsize=10.6, color=style.shade("linear"), weight="bold")
+
+
+def _sleeper(ax, box) -> None:
+    """The sleeper with its name."""
     bottom, top = box.sleeper.low, box.sleeper.high
     ax.add_patch(
         Rectangle(
@@ -59,7 +86,10 @@ def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
         )
     )
     ax.text(top[0] / 2, (bottom[2] + top[2]) / 2, "sleeper, moves vertically", ha="center", va="center", fontsize=10.6)
-    _load(ax, top, low, high, frequency)
+
+
+def _plates(ax, box, scenario: Scenario) -> None:
+    """The plates with the stress that presses them inward."""
     for number, plate in enumerate(box.plates, start=1):
         middle = (plate.low[2] + plate.high[2]) / 2
         ax.add_patch(Rectangle((box.length_m + 0.003, plate.low[2]), 0.02, plate.high[2] - plate.low[2], color=SOFT))
@@ -78,10 +108,11 @@ def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
         ha="center",
         va="top",
     )
-    ax.text(0.0, -0.018, "1 to 3: porosity is measured here", fontsize=10.6, color=style.shade("linear"), va="top")
-    ax.set(xlim=(-0.03, box.length_m + 0.13), ylim=(-0.06, top[2] + 0.2), aspect="equal")
-    ax.set_axis_off()
-    c.table = pd.DataFrame(
+
+
+def _corners(box) -> pd.DataFrame:
+    """Corners of sleeper and plates, m."""
+    return pd.DataFrame(
         [
             {
                 "part": name,
@@ -93,16 +124,6 @@ def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
             }
             for name, b in (("sleeper", box.sleeper), *((f"plate {k}", p) for k, p in enumerate(box.plates, 1)))
         ]
-    )
-    return gallery.finish(
-        "test",
-        "The test",
-        f"Side view; the box is {MM * box.width_m:g} mm wide, "
-        f"{MM * (box.width_m - scenario['geometry.sleeper_width']) / 2:g} mm "
-        f"of ballast (the cribs) on either side of the sleeper. {low:.3g} to {high:.3g} kN are "
-        f"{KPA * scenario['loading.stress_min']:g} to {KPA * scenario['loading.stress_max']:g} kPa under the sleeper.",
-        [c],
-        [],
     )
 
 
