@@ -112,7 +112,8 @@ class Bonds:
         phys.unp = interaction.geom.penetrationDepth  # the bond is made without force
         phys.maxRollPl = phys.maxTwistPl = -1.0  # no plastic moments
         phys.tangensOfFrictionAngle = 0.0
-        phys.fragile, phys.momentRotationLaw, phys.cohesionBroken, phys.initCohesion = True, True, False, False
+        phys.fragile, phys.momentRotationLaw, phys.initCohesion = True, True, False
+        phys.updateAttrs({"cohesionBroken": False})  # not to be assigned in YADE 2025
         return entry
 
     def check(self) -> None:
