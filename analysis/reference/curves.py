@@ -442,28 +442,8 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
             refuse, name, axis, raw, dataset.calibration and dataset.calibration[index], sidecar.name, logarithmic
         )
         columns[name] = _to_si(axis, raw)
-        low, high = PLAUSIBLE[axis["quantity"]]
-        outside = (columns[name] < low) | (columns[name] > high)
-        if outside.any():
-            worst = columns[name][outside][0]
-            keys = "unit, reversed" + (", at_sleeper_base" if axis["quantity"] == "depth" else "")
-            raise refuse(
-                f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; "
-                f"check axes.{name}: {keys}"
-            )
-        low, high = sorted(axis["range"])
-        on_paper = np.log10 if logarithmic else np.asarray
-        least = LEAST_COVER["value" if name == value_axis else "coordinate"] * np.ptp(on_paper([low, high]))
-        if np.ptp(on_paper(raw)) < least:
-            raise refuse(
-                f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
-                f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped"
-            )
-        if axis["unit"] == "s" and columns[name].max() > MOST_CYCLES_BY_TIME:
-            raise refuse(
-                f"{raw.max():.6g} s are {columns[name].max():.6g} cycles; "
-                f'set axes.{name}.unit = "-" where the axis counts cycles'
-            )
+        least = LEAST_COVER["value" if name == value_axis else "coordinate"]
+        _check_values(refuse, name, axis, raw, columns[name], least, logarithmic)
     coordinate, value = columns[other_axis], columns[value_axis]
     if row["quantity"] == "settlement" and np.median(value) < 0:
         raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
@@ -475,10 +455,51 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
             f"two points at {head['axes'][other_axis]['quantity']} {doubled:.6g}; delete one of them in "
             "WebPlotDigitizer"
         )
+    error = _error_si(sidecar, head, row["quantity"], value_axis)
+    depth = head["axes"][other_axis]["quantity"] == "depth"
+    table = pd.DataFrame(
+        {"value": value, "cycle": row["cycle"] if depth else coordinate, "depth_m": coordinate if depth else np.nan}
+    )
+    return table.assign(
+        **{k: v for k, v in row.items() if k != "cycle"},
+        unit=VALUES[row["quantity"]],
+        error=error,
+        status=head["status"],
+        licence=head["licence"],
+    )
+
+
+def _check_values(
+    refuse, name: str, axis: dict, raw: np.ndarray, values: np.ndarray, least: float, logarithmic: bool
+) -> None:
+    """Values (SI) of one axis are plausible and span at least the share `least` of it, on paper."""
+    low, high = PLAUSIBLE[axis["quantity"]]
+    outside = (values < low) | (values > high)
+    if outside.any():
+        worst = values[outside][0]
+        keys = "unit, reversed" + (", at_sleeper_base" if axis["quantity"] == "depth" else "")
+        raise refuse(
+            f"{axis['quantity']} {worst:.6g} {_si_unit(axis)} is outside {low:g} to {high:g}; check axes.{name}: {keys}"
+        )
+    low, high = sorted(axis["range"])
+    on_paper = np.log10 if logarithmic else np.asarray
+    if np.ptp(on_paper(raw)) < least * np.ptp(on_paper([low, high])):
+        raise refuse(
+            f"{name} spans {raw.min():.4g} to {raw.max():.4g}, next to nothing of its axis, {low:g} to "
+            f"{high:g} {axis['unit']}; check axes.{name}: unit and range, and whether the axes are swapped"
+        )
+    if axis["unit"] == "s" and values.max() > MOST_CYCLES_BY_TIME:
+        raise refuse(
+            f'{raw.max():.6g} s are {values.max():.6g} cycles; set axes.{name}.unit = "-" where the axis counts cycles'
+        )
+
+
+def _error_si(sidecar: Path, head: dict, quantity: str, value_axis: str) -> float:
+    """The stated error in the unit of the values; it fits them and is smaller than half of their axis."""
     error = head["error"]
-    if (error["unit"] in ("-", "%")) != (VALUES[row["quantity"]] == "-"):
+    if (error["unit"] in ("-", "%")) != (VALUES[quantity] == "-"):
         raise ReferenceError(
-            f"{sidecar.name}: error.unit = {error['unit']} does not fit {row['quantity']}; use the unit of its axis"
+            f"{sidecar.name}: error.unit = {error['unit']} does not fit {quantity}; use the unit of its axis"
         )
     low, high = sorted(head["axes"][value_axis]["range"])
     whole = (high - low) * SI[head["axes"][value_axis]["unit"]]
@@ -488,17 +509,7 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
             f"the axis, {low:g} to {high:g} {head['axes'][value_axis]['unit']}; check error: value "
             "and unit"
         )
-    depth = head["axes"][other_axis]["quantity"] == "depth"
-    table = pd.DataFrame(
-        {"value": value, "cycle": row["cycle"] if depth else coordinate, "depth_m": coordinate if depth else np.nan}
-    )
-    return table.assign(
-        **{k: v for k, v in row.items() if k != "cycle"},
-        unit=VALUES[row["quantity"]],
-        error=error["value"] * SI[error["unit"]],
-        status=head["status"],
-        licence=head["licence"],
-    )
+    return error["value"] * SI[error["unit"]]
 
 
 def _logarithmic(refuse, name: str, axis: dict, project: bool | None) -> bool:
