@@ -111,6 +111,9 @@ class Bonds:
         phys.normalAdhesion, phys.shearAdhesion = law.tensile_strength * law.area, law.shear_strength * law.area
         phys.unp = interaction.geom.penetrationDepth  # the bond is made without force
         phys.maxRollPl = phys.maxTwistPl = -1.0  # no plastic moments
+        for name in ("rollingAdhesion", "twistingAdhesion"):  # since YADE 2025, where 0 lets no moment through
+            if hasattr(phys, name):
+                setattr(phys, name, -1.0)
         phys.tangensOfFrictionAngle = 0.0
         phys.fragile, phys.momentRotationLaw, phys.initCohesion = True, True, False
         phys.updateAttrs({"cohesionBroken": False})  # not to be assigned in YADE 2025
