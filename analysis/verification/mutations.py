@@ -182,8 +182,13 @@ MUTATIONS = (
         (
             (
                 "clump_motion.cpp",
-                "const double difference = 1.0 / c.inertia_axial - across;\n  double *const centre",
-                "const double difference = 0.0;\n  double *const centre",
+                "difference = 1.0 / c.inertia_axial - across, half",
+                "difference = 0.0, half",
+            ),
+            (
+                "clump_motion.cpp",
+                "const double difference = 1.0 / c.inertia_axial - across;\n  double *const velocity",
+                "const double difference = 0.0;\n  double *const velocity",
             ),
         ),
     ),
@@ -193,7 +198,11 @@ MUTATIONS = (
             (
                 "fix_wall.cpp",
                 "    length2 += distance[d] * distance[d];\n  }\n  side = 1.0;",
-                "    length2 = std::max(length2, distance[d] * distance[d]);\n  }\n  side = 1.0;",
+                "    length2 += distance[d] * distance[d];\n  }\n"
+                "  const int nearest = std::max_element(distance, distance + 3,\n"
+                "    [](double a, double b) { return std::abs(a) < std::abs(b); }) - distance;\n"
+                "  for (int d = 0; d < 3; d++) distance[d] *= d == nearest;\n"
+                "  length2 = distance[nearest] * distance[nearest];\n  side = 1.0;",
             ),
         ),
     ),
