@@ -59,8 +59,8 @@ class ProbedCase(Case):
 
     @classmethod
     def sketch(cls) -> Sketch:
-        """Of the probe that the account names."""
-        return sketch_of(cls("liggghts").probes()[cls.account.pictured])
+        """Of the probe that the account names; it lies the same in every engine."""
+        return sketch_of(cls(next(iter(ENGINE_LAWS))).probes()[cls.account.pictured])
 
     @abstractmethod
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:

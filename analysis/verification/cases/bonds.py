@@ -91,7 +91,8 @@ class BondPaths(ProbedCase):
                 1.0,
                 [
                     ((0, 0, 0.2 * pull), none, n),
-                    ((0, 0, -0.4 * pull), (0, turn, 0), int(0.6 * n)),
+                    ((0, 0, -0.4 * pull), none, int(0.4 * n)),  # to where a bond that heals would hold
+                    ((0, 0, -0.4 * pull), (0, turn, 0), int(0.2 * n)),
                     ((0.5 * pull, 0, 0), (0, 0, turn), n // 4),
                     ((-0.2 * pull, 0.1 * pull, 0.02 * pull), none, n // 4),
                 ],

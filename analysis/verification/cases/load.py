@@ -14,6 +14,7 @@ import numpy as np
 
 from analysis.driver.engine import write_bed
 from analysis.driver.engines import ENGINES
+from analysis.formats.quantities import CODES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification.cases.base import Account, StagedCase
@@ -78,7 +79,7 @@ class LoadedColumn(StagedCase):
     @classmethod
     def sketch(cls) -> Sketch:
         """The column between floor and sleeper."""
-        scenario = cls("liggghts").scenarios["force"]
+        scenario = cls(CODES[0]).scenarios["force"]  # the same in every engine
         clump = derived.clump(scenario)
         discs = (
             Disc(side * clump.half_distance_m, height, clump.radius_m)
