@@ -24,12 +24,12 @@ KEPT_VERIFICATION = ROOT / "reference_data" / "verification"
 """What we computed: the result of the verification."""
 
 
-def write_aside(path: Path, text: str) -> None:
-    """Write `path` whole or not at all: a .partial file first, forced to the disk, then a rename."""
+def write_aside(path: Path, content: str | bytes) -> None:
+    """Write `path` whole or not at all: a .partial file first, forced to the disk, then a rename. Texts are UTF-8."""
     partial = path.with_name(path.name + ".partial")
     try:
-        with open(partial, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with open(partial, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)

@@ -13,7 +13,7 @@ from analysis.driver import options
 from analysis.driver.folder import cycles_asked, cycles_done
 from analysis.driver.settings import relative
 from analysis.driver.status import state_of
-from analysis.files import KEPT_RUNS, sync, write_csv
+from analysis.files import KEPT_RUNS, sync, write_aside, write_csv
 from analysis.formats.numbers import short
 from analysis.formats.run_record import RunRecord
 from analysis.normalised.readers import Run
@@ -89,10 +89,7 @@ def keep_bed(folder: Path, beds: Path) -> Path | None:
     target = beds / f"{body.code}-seed{body.seed}.csv.gz"
     if not target.exists() or gzip.decompress(target.read_bytes()) != packed.read_bytes():
         beds.mkdir(parents=True, exist_ok=True)
-        aside = target.with_name(f".{target.name}")
-        aside.write_bytes(gzip.compress(packed.read_bytes(), 9, mtime=0))
-        sync(aside)
-        aside.replace(target)
+        write_aside(target, gzip.compress(packed.read_bytes(), 9, mtime=0))
     return target
 
 

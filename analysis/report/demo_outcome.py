@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SAME_BED_VARIANT, Member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.quantities import last_cycle, lateral_mean
 from analysis.formats.quantities import CODES
 from analysis.report.sentences import lines
 
@@ -19,7 +19,6 @@ PROFILE = "demo"
 AIM_RATIO = 0.15
 """Assumed: two codes that load one bed by the same equations settle alike to within this share of their mean."""
 
-PLATES = [f"lateral_{k}_m" for k in range(1, 6)]
 ALIKE_FACTOR = 2.0
 """Assumed: so near to the full bed's settlement the demo bed's is meant to be."""
 
@@ -76,14 +75,15 @@ def beside_full(members: Iterable[Member]) -> list[Beside]:
     for m in members:
         if m.plain and m.run.code == "liggghts" and len(m.run.cycles):
             profiles = runs.setdefault((m.scenario, m.reading), {})
-            profiles.setdefault(m.run.profile, []).append(m.run.cycles.set_index("cycle"))
+            cycles = m.run.cycles.assign(lateral_mean_m=lateral_mean(m.run.cycles)).set_index("cycle")
+            profiles.setdefault(m.run.profile, []).append(cycles)
     made = []
     for (scenario, reading), profiles in runs.items():
         demo, full = profiles.get(PROFILE, []), profiles.get("full", [])
         for cycle in sorted({n for table in demo for n in table.index} & {n for table in full for n in table.index}):
             beds = [[table.loc[cycle] for table in tables if cycle in table.index] for tables in (demo, full)]
             settled = (tuple(float(row["settlement_m"]) for row in rows) for rows in beds)
-            plates = (float(np.mean([row[PLATES] for row in rows])) for rows in beds)
+            plates = (float(np.mean([row["lateral_mean_m"] for row in rows])) for rows in beds)
             made.append(Beside(scenario, reading, int(cycle), *settled, *plates))
     return made
 

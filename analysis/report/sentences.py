@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from pathlib import Path
 
@@ -78,7 +79,13 @@ def symbols(text: str) -> str:
     return text.replace("M_d", "Md").replace("e_n", "eₙ")
 
 
+@functools.cache
+def _texts() -> jinja2.Environment:
+    """One for all texts, so that a template is compiled once."""
+    return environment()
+
+
 def lines(template: str, **values) -> list[str]:
     """The sentences of a text template, one per line of it that is not empty."""
-    text = environment().get_template(template).render(**values)
+    text = _texts().get_template(template).render(**values)
     return [" ".join(line.split()) for line in text.splitlines() if line.strip()]

@@ -6,23 +6,38 @@ from collections.abc import Iterable
 
 import pandas as pd
 
+from analysis.comparison.findings.agreement import CYCLES
 from analysis.comparison.findings.members import Member
 
-SHOWN = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-"""Cycles of the table; 0 is the end of preload."""
-
-COLUMNS = ("run", "profile", "scenario", "variant", "reading", "code", "seed")
-COLUMNS += ("cycle", "bonds_made", "bonds", "bonds_broken_tension", "bonds_broken_shear", "broken_share")
+COLUMNS = (
+    "run",
+    "profile",
+    "scenario",
+    "variant",
+    "reading",
+    "code",
+    "seed",
+    "cycle",
+    "bonds_made",
+    "bonds",
+    "bonds_broken_tension",
+    "bonds_broken_shear",
+    "broken_share",
+)
 
 
 def bonds_table(listed: Iterable[Member]) -> pd.DataFrame:
-    """A row per run with bonds and shown cycle, its last one included; numbers of bonds, and broken over made."""
+    """A row per run with bonds for preload (cycle 0), those of CYCLES that it reached, and its last one."""
     rows = []
     for m in listed:
-        counts = m.run.bonds.set_index("cycle").astype(int)
-        for cycle in sorted({n for n in (*SHOWN, counts.index.max()) if n in counts.index}):
-            row = counts.loc[cycle]
-            made = int(row.sum())
-            share = (made - row["bonds"]) / made if made else float("nan")
-            rows.append({**m.identity, "cycle": cycle, "bonds_made": made, **row.to_dict(), "broken_share": share})
+        counts = bond_counts(m.run)
+        shown = counts["cycle"].isin((0, *CYCLES)) | (counts["cycle"] == counts["cycle"].max())
+        rows += [m.identity | row for row in counts[shown].to_dict("records")]
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def bond_counts(run) -> pd.DataFrame:
+    """`Run.bonds` with the number of bonds made, and the share of them that broke so far; nan where none was made."""
+    counts = run.bonds.astype(int)
+    made = counts.drop(columns="cycle").sum(axis=1)
+    return counts.assign(bonds_made=made, broken_share=(made - counts["bonds"]) / made)

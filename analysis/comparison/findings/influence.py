@@ -6,16 +6,20 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import pandas as pd
 
 from analysis.comparison.findings.members import Member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.quantities import last_cycle, lateral_mean
+from analysis.formats.quantities import QUANTITIES
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 
 CYCLE = 20
 """After which influences are compared; after fewer where a pair has fewer."""
+
+CHANGED = ("settlement_m", "lateral_mean_m")
+"""What is compared."""
 
 INFLUENCE = (
     "profile",
@@ -51,32 +55,11 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
         if base is None or not m.others or not m.own_bed or not one_thing_changed(base, m) or of_the_step(base, m):
             continue
         cycle = min(CYCLE, last_cycle(m.run), last_cycle(base.run))
-        for quantity, unit, function in (
-            ("settlement_m", "m", lambda run, n: at(run, n, "settlement_m")),
-            ("lateral_mean_m", "m", lambda run, n: sum(at(run, n, f"lateral_{k}_m") for k in range(1, 6)) / 5),
-        ):
-            before, after = function(base.run, cycle), function(m.run, cycle)
-            change = after / before - 1 if before * after > 0 else math.nan
-            spread = spread_between_beds(scatter, m, quantity, cycle)
-            rows.append(
-                {
-                    "profile": m.run.profile,
-                    "scenario": m.scenario,
-                    "reading": m.reading,
-                    "code": m.run.code,
-                    "variant": "+".join(m.others),
-                    "quantity": quantity,
-                    "cycle": cycle,
-                    "unit": unit,
-                    "base": before,
-                    "changed": after,
-                    "change_ratio": change,
-                    "scatter_ratio": spread,
-                    "scatters": abs(change) / spread if spread else math.nan,
-                    "run": m.run.id,
-                    "base_run": base.run.id,
-                }
-            )
+        for change in changes(base, m, cycle, scatter):
+            spread = change["scatter_ratio"]
+            scatters = abs(change["change_ratio"]) / spread if spread else math.nan
+            of = {"variant": "+".join(m.others), "run": m.run.id, "base_run": base.run.id}
+            rows.append(change | of | {"unit": QUANTITIES[change["quantity"]].unit, "scatters": scatters})
     table = pd.DataFrame(rows, columns=INFLUENCE)
     size = table["change_ratio"].abs()
     return table.assign(size=size).sort_values("size", ascending=False, kind="stable").drop(columns="size")
@@ -101,15 +84,37 @@ def of_the_step(base: Member, varied: Member) -> bool:
     return all(key.startswith("time.") for key in changed)
 
 
+def changes(base: Member, varied: Member, cycle: int, scatter: pd.DataFrame) -> Iterator[dict]:
+    """Settlement and lateral displacement of two runs after `cycle`: where they belong, base, changed, m, change_ratio
+    (nan where the two have no common sign) and scatter_ratio, see `influence_table`.
+    """
+    for quantity in CHANGED:
+        before, after = (after_cycle(m.run, cycle, quantity) for m in (base, varied))
+        yield {
+            "profile": varied.run.profile,
+            "scenario": varied.scenario,
+            "reading": varied.reading,
+            "code": varied.run.code,
+            "seed": varied.run.seed,
+            "cycle": cycle,
+            "quantity": quantity,
+            "base": before,
+            "changed": after,
+            "change_ratio": after / before - 1 if before * after > 0 else math.nan,
+            "scatter_ratio": spread_between_beds(scatter, varied, quantity, cycle),
+        }
+
+
 @functools.cache
 def _changed(base: str, varied: str, profile: str) -> frozenset[str]:
     one, other = (load_scenario(name, profile) for name in (base, varied))
     return frozenset(one.changed_keys(other))
 
 
-def at(run, cycle: int, column: str) -> float:
-    """Value of a column of cycles.csv after a cycle; nan without."""
-    values = run.cycles.loc[run.cycles["cycle"] == cycle, column]
+def after_cycle(run, cycle: int, quantity: str) -> float:
+    """Settlement or mean lateral displacement of the plates after a cycle, m; nan without."""
+    cycles = run.cycles[run.cycles["cycle"] == cycle]
+    values = lateral_mean(cycles) if quantity == "lateral_mean_m" else cycles[quantity]
     return float(values.iloc[0]) if len(values) else math.nan
 
 

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 import pandas as pd
 
-from analysis.comparison.findings.influence import at, one_thing_changed, spread_between_beds
+from analysis.comparison.findings.agreement import CYCLES
+from analysis.comparison.findings.influence import changes, one_thing_changed
 from analysis.comparison.findings.members import Member
 from analysis.comparison.quantities import last_cycle
-from analysis.formats.file_columns import PLATES
 
 STOCK_VARIANT = "stock"
-CYCLES = (1, 2, 5, 10, 20, 50, 100)
-"""After which the two are compared, and after the last that both have reached."""
-
 COLUMNS = (
     "profile",
     "scenario",
@@ -29,14 +25,12 @@ COLUMNS = (
     "change_ratio",
     "scatter_ratio",
 )
-QUANTITIES = {"settlement_m": ("settlement_m",), "lateral_mean_m": tuple(f"lateral_{k}_m" for k in PLATES)}
-"""What is compared: the mean of these columns of cycles.csv."""
 
 
 def stock_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFrame:
     """Each run of the variant `stock` against the run that differs from it in nothing but the contact model (COLUMNS).
 
-    paper_law, stock   settlement_m, lateral_mean_m, after CYCLES, m
+    paper_law, stock   settlement_m, lateral_mean_m, after CYCLES and after the last cycle that both have reached, m
     change_ratio       stock over paper_law, minus 1; nan where they have no common sign
     scatter_ratio      standard deviation between beds as a share of the mean, see `agreement.scatter_table`
     """
@@ -51,21 +45,6 @@ def stock_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFrame:
         base = max(bases, key=lambda b: last_cycle(b.run))
         last = min(last_cycle(base.run), last_cycle(m.run))
         for cycle in sorted({n for n in CYCLES if n < last} | {last}):
-            for quantity, columns in QUANTITIES.items():
-                one, other = (sum(at(run, cycle, c) for c in columns) / len(columns) for run in (base.run, m.run))
-                rows.append(
-                    {
-                        "profile": m.run.profile,
-                        "scenario": m.scenario,
-                        "reading": m.reading,
-                        "code": m.run.code,
-                        "seed": m.run.seed,
-                        "cycle": cycle,
-                        "quantity": quantity,
-                        "paper_law": one,
-                        "stock": other,
-                        "change_ratio": other / one - 1 if one * other > 0 else math.nan,
-                        "scatter_ratio": spread_between_beds(scatter, m, quantity, cycle),
-                    }
-                )
-    return pd.DataFrame(rows, columns=COLUMNS)
+            rows += changes(base, m, cycle, scatter)
+    table = pd.DataFrame(rows).rename(columns={"base": "paper_law", "changed": "stock"})
+    return table.reindex(columns=COLUMNS)

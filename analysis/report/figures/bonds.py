@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.patches import Rectangle
 
+from analysis.comparison.findings.bonds import bond_counts
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import cycle_axis, draw, last_cycle_of
@@ -33,7 +34,7 @@ def bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, c
         return None
     c = style.canvas(name, title)
     for curve in curves:
-        seeds = {run.seed: broken_share(run) for run in curve.runs}
+        seeds = {run.seed: bond_counts(run).set_index("cycle")["broken_share"] for run in curve.runs}
         mean = pd.DataFrame(seeds).dropna().mean(axis=1)
         draw(c, curve, pd.DataFrame(dict.fromkeys(("value", "low", "high"), mean)), 100.0, seeds=seeds)
     c.axes.set_ylabel("bonds broken so far, % of those made")
@@ -42,16 +43,8 @@ def bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, c
         c.axes.text(0.5, 0.5, "no bond broke", transform=c.axes.transAxes, ha="center", color=SOFT)
     c.hover_unit = "%"
     cycle_axis(c, last_cycle_of(curves), False)
-    c.table = pd.concat(
-        [run.bonds.assign(run=run.id, broken_share=broken_share(run).to_numpy()) for run in runs], ignore_index=True
-    )
+    c.table = pd.concat([bond_counts(run).assign(run=run.id) for run in runs], ignore_index=True)
     return gallery.finish(name, title, caption, [c], runs, curves)
-
-
-def broken_share(run: Run) -> pd.Series:
-    """Bonds broken so far over bonds made, against cycle."""
-    counts = run.bonds.set_index("cycle")
-    return 1 - counts["bonds"] / counts.sum(axis=1)
 
 
 def broken_bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:

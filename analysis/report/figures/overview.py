@@ -17,8 +17,6 @@ from analysis.report.style import CODE_NAMES, CODE_SIGNS, INK, SOFT, Canvas
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
-"""Metres drawn around the box."""
-
 
 def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
     """The test as a side view, drawn from the parameters: box, sleeper, load, plates and measurement spheres."""

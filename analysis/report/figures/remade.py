@@ -133,8 +133,7 @@ def figure13(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
             f"figure13-{SLUGS[reading]}",
             f"Figure 13b, c remade, {READING_NAMES[reading]}: porosity during loading",
             "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is the "
-            "end of "
-            "preload.",
+            "end of preload.",
         )
     ]
 

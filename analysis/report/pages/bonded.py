@@ -9,6 +9,7 @@ from analysis.report.figures.lateral import lateral_figure
 from analysis.report.figures.settlement import settlement_figure
 from analysis.report.labels import READING_NAMES
 from analysis.report.report_data import CHEN_SCENARIOS, KEY_SCENARIOS, ReportData
+from analysis.report.sentences import slug
 from analysis.report.tables.base import Table
 from analysis.report.tables.bonds import bonds_table
 from analysis.scenarios.scenario import load_scenario
@@ -30,10 +31,10 @@ def bonded_group(data: ReportData, profile: str) -> dict:
         if not any(run.base_name in CHEN_SCENARIOS for run in mine):
             continue
         mine = Runs(run for run in mine if run.base_name in (*KEY_SCENARIOS, *CHEN_SCENARIOS))
-        slug, where = reading.replace(" ", "-"), READING_NAMES[reading]
+        name, where = slug(reading), READING_NAMES[reading]
         figures += [
-            settlement_figure(g, mine, f"bonded-settlement-{slug}", f"Three models, {where}: settlement", OF_CHEN),
-            lateral_figure(g, mine, f"bonded-lateral-{slug}", f"Three models, {where}: lateral displacement", OF_CHEN),
+            settlement_figure(g, mine, f"bonded-settlement-{name}", f"Three models, {where}: settlement", OF_CHEN),
+            lateral_figure(g, mine, f"bonded-lateral-{name}", f"Three models, {where}: lateral displacement", OF_CHEN),
         ]
     bonded = bonded_runs(data, profile)
     figures += [

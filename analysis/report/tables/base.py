@@ -83,7 +83,14 @@ WORDS: dict[str, Callable[[Any], str]] = {
 """Columns that hold words, and how they are shown."""
 
 COUNTS = ("cycle", "cycles", "beds", "clumps", "ranks", "points", "band_pairs", "seed")
+COUNTS += ("bonds_made", "bonds_broken_tension", "bonds_broken_shear")
 """Columns that hold whole numbers, shown with all digits."""
+
+
+def run_of(row) -> str:
+    """Scenario with its variants, code and seed of a row, in words."""
+    name = short_name("+".join(filter(None, (row.scenario, getattr(row, "variant", "")))))
+    return f"{name}, {CODE_NAMES.get(row.code, row.code)}{f', seed {row.seed}' if row.seed != 1 else ''}"
 
 
 @dataclass(frozen=True)

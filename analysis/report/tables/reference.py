@@ -11,16 +11,9 @@ from analysis.comparison import settlement_fits
 from analysis.comparison.quantities import last_cycle
 from analysis.comparison.restitution import restitution_table
 from analysis.normalised.readers import Run
-from analysis.report.labels import MODE_NAMES, SOURCE_NAMES, short_name
+from analysis.report.labels import MODE_NAMES, SOURCE_NAMES
 from analysis.report.report_data import name_of
-from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, interval, label_of_column
-
-
-def run_of(row) -> str:
-    """Scenario, code and seed of a row."""
-    seed = f", seed {row.seed}" if row.seed != 1 else ""
-    return f"{short_name(row.scenario)}, {CODE_NAMES.get(row.code, row.code)}{seed}"
+from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, interval, label_of_column, run_of
 
 
 def curve_of(row) -> str:
