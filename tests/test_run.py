@@ -600,6 +600,24 @@ def test_a_shallow_clone_knows_its_commit(tmp_path, monkeypatch):
     assert found == {"git_commit": git(tmp_path / "origin", "rev-parse", "HEAD"), "git_dirty": False}
 
 
+def test_a_result_kept_in_the_clone_does_not_make_the_program_a_changed_one(tmp_path, monkeypatch):
+    git(tmp_path, "init", "-q")
+    for name in ("program", "reference_data/kept.csv"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("before\n")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "-m", "first")
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+
+    def dirty(**options):
+        return provenance.git_state(**options)["git_dirty"]
+
+    (tmp_path / "reference_data" / "kept.csv").write_text("after\n")
+    assert dirty() and not dirty(beside=("reference_data",))
+    (tmp_path / "program").write_text("after\n")
+    assert dirty() and dirty(beside=("reference_data",))
+
+
 def test_every_part_of_a_run_says_what_did_it_and_only_equal_parts_are_repeatable(tmp_path):
     folder = run_folder(tmp_path, "linear-mu0.8", "yade")
     arguments = (*LINEAR, "--results", tmp_path)

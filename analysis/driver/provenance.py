@@ -28,17 +28,20 @@ def versions(engine: str) -> dict[str, str]:
     }
 
 
-def git_state() -> dict:
+def git_state(*, beside: tuple[str, ...] = ()) -> dict:
     """Commit of the working tree, and whether tracked files differ from it (None where there is no commit).
 
-    A copy without its own repository, perhaps unpacked inside another one, is known by its release only.
+    `beside` names folders whose changes do not count, because nothing is read from them. A copy without its own
+    repository, perhaps unpacked inside another one, is known by its release only.
     """
 
     top = _git("rev-parse", "--show-toplevel")
     commit = _git("rev-parse", "HEAD") if top and Path(top).resolve() == ROOT else None
     if not commit:
         return {"git_commit": f"unknown (release {metadata.version('ballast-analysis')})", "git_dirty": None}
-    return {"git_commit": commit, "git_dirty": bool(_git("status", "--porcelain", "--untracked-files=no"))}
+    aside = [f":(exclude,top){folder}" for folder in beside]
+    changed = _git("status", "--porcelain", "--untracked-files=no", "--", ":(top)", *aside)
+    return {"git_commit": commit, "git_dirty": bool(changed)}
 
 
 def commit_date(commit: str) -> str:

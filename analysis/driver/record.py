@@ -22,7 +22,8 @@ class Record:
     def __init__(self, settings: RunSettings, engine: Engine):
         self.settings, self.folder, version = settings, settings.folder, engine.version()
         old, scenario = stored_record(self.folder), settings.scenario
-        parallel, git = engine.parallel(settings.ranks), git_state()
+        parallel = engine.parallel(settings.ranks)
+        git = git_state(beside=("reference_data", "docs"))  # a run reads neither
         self._part = {**parallel, "engine": version, **git, "host": socket.gethostname()}
         timing = old.timing if old else None
         steps = {stage: int(row["step"]) for stage, row in last_rows(self.folder / "raw" / "state.csv").items()}
