@@ -110,16 +110,16 @@ class Check:
 
     @property
     def half_width(self) -> float:
-        """Half the width of the margin's confidence interval."""
-        return coverage(self.degrees, self.confidence) * self.standard_error
+        """Half the width of the margin's confidence interval; against the claim at the check's share of the error."""
+        confidence = self.confidence if self.margin > 0 else 1 - (1 - self.confidence) / self.parts
+        return coverage(self.degrees, confidence) * self.standard_error
 
     @property
     def verdict(self) -> str:
         """holds, does not hold, or not decidable."""
         if self.margin - self.half_width > 0:
             return HOLDS
-        share = 1 - (1 - self.confidence) / self.parts
-        return FAILS if self.margin + coverage(self.degrees, share) * self.standard_error < 0 else OPEN
+        return FAILS if self.margin + self.half_width < 0 else OPEN
 
 
 @dataclass(frozen=True)
