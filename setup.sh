@@ -61,7 +61,7 @@ install_packages() {
         root=(sudo)
     fi
     # Package lists that are missing or too old to know a package are fetched, others are left alone.
-    apt-get install --simulate --no-install-recommends "${missing[@]}" > /dev/null 2>&1 || "${root[@]}" apt-get update
+    apt-get install --simulate --no-install-recommends "${missing[@]}" > /dev/null 2>&1 || "${root[@]}" apt-get update || true
     echo "setup: installing ${missing[*]}"
     if ! "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"; then
         echo "setup: apt-get could not install ${missing[*]}; the packages yade and liggghts are in Debian 12 and 13" >&2

@@ -8,6 +8,7 @@ import pytest
 from analysis.driver.bench import beds, profile, stock, tables
 from analysis.driver.bench.meter import measure
 from analysis.driver.engine import EngineError
+from analysis.formats import kept_tables
 from analysis.formats.growing_csv import GrowingCsv
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
@@ -116,7 +117,7 @@ def test_the_exponent_of_a_power_law_is_found():
 
 def test_a_timing_without_wall_time_is_read_back(tmp_path):
     """The stock YADE script times itself, in processor time only."""
-    table = GrowingCsv(tmp_path / "timings.csv", tables.TIMINGS)
+    table = GrowingCsv(tmp_path / "timings.csv", kept_tables.TIMINGS.columns)
     table.start()
     table.append([("yade", "linear", "stock", 4573, 1, 400, 17216, 6.0, float("nan"), 1.0)])
     (row,) = tables.read_timings(table.path)
@@ -125,9 +126,9 @@ def test_a_timing_without_wall_time_is_read_back(tmp_path):
 
 def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):
     table = tmp_path / "benchmark.csv"
-    tables.renew(table, tables.COLUMNS, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
-    tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
-    tables.renew(table, tables.COLUMNS, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
+    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
+    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
+    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
     assert table.read_text().splitlines()[1:] == [
         "over_stock,liggghts,linear,5.0,6.0",
         "over_stock,yade,linear,1.0,2.0",

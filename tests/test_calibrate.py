@@ -3,6 +3,7 @@
 import math
 import shutil
 
+import pandas as pd
 import pytest
 from bare_run import bare_record
 from synthetic import write_run
@@ -12,7 +13,8 @@ from analysis.driver import calibrate
 from analysis.driver.liggghts import Liggghts
 from analysis.driver.settings import RunSettings
 from analysis.driver.supervise import StopRequest
-from analysis.files import write_csv
+from analysis.formats import kept_tables
+from analysis.formats.errors import InputError
 from analysis.normalised.readers import Run, load_runs
 from analysis.reference.reported import reported
 from analysis.scenarios import lattice
@@ -57,24 +59,18 @@ def test_beds_that_are_tried_are_no_runs_of_the_scenario(tmp_path):
     assert [run.id for run in load_runs(tmp_path)] == ["full/linear-mu0.8/liggghts"]
 
 
-def test_the_table_is_read_as_it_was_written(tmp_path):
-    write_csv(tmp_path / "calibration.csv", [calibrate.COLUMNS, [str(n) for n in range(len(calibrate.COLUMNS))]])
-    table = calibrate.read_table(tmp_path / "calibration.csv")
-    assert list(table.columns) == list(calibrate.COLUMNS) and len(table) == 1
-
-
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("", "column scenario is missing"),
-        ("a,b\n1,2,3\n", "is missing"),
-        (",".join(calibrate.COLUMNS) + "\n", "has no row"),
+        ("", "is empty"),
+        ("a,b\n1,2,3\n", "column scenario is missing"),
+        (",".join(kept_tables.CALIBRATION.columns) + "\n", "has no row"),
     ],
 )
 def test_a_damaged_table_is_refused_in_a_line_with_the_remedy(tmp_path, text, says):
     (tmp_path / "calibration.csv").write_text(text)
-    with pytest.raises(ValueError, match=says) as refused:
-        calibrate.read_table(tmp_path / "calibration.csv")
+    with pytest.raises(InputError, match=says) as refused:
+        kept_tables.read(tmp_path / "calibration.csv", kept_tables.CALIBRATION)
     assert "calibration.csv" in str(refused.value) and "make calibrate" in str(refused.value)
 
 
@@ -98,7 +94,7 @@ def test_calibrate_writes_a_row_for_every_bed_and_says_which_failed(tmp_path, mo
     code = ballast(
         ["calibrate", "--profile", "demo", "--gaps", "--aspects", "1.8", "2", "--cycles", "3", "--out", str(out)]
     )
-    table = calibrate.read_table(out)
+    table = pd.DataFrame(kept_tables.read(out, kept_tables.CALIBRATION))
     assert code == 1 and table["state"].tolist() == ["finished", "finished", "failed", "failed"]
     assert table["scenario"].tolist() == ["linear-mu0.8", "nonlinear-en1.0"] * 2
     assert (table["settlement_m"] > 0).all() and table["aspect"].tolist() == [1.8, 1.8, 2, 2]

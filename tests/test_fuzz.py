@@ -8,15 +8,17 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
 from analysis.comparison.claims.verdicts import ClaimError, load_claims
-from analysis.driver import calibrate, checkpoints, status
+from analysis.driver import checkpoints, status
+from analysis.driver.bench import tables
 from analysis.driver.unload import add_row
-from analysis.files import PUBLISHED, ROOT
-from analysis.formats import bed_file, file_columns, table_file
+from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, ROOT
+from analysis.formats import bed_file, file_columns, kept_tables, table_file
 from analysis.formats.errors import InputError
 from analysis.formats.quantities import QUANTITIES
 from analysis.formats.run_record import RunRecord
@@ -27,9 +29,16 @@ from analysis.reference.curves import ReferenceError, load_references
 from analysis.reference.reported import reported
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
+from analysis.report.answer import step_shares
+from analysis.report.figures.verification import case_curves
+from analysis.report.pages.verification import case_table
+from analysis.report.tables.benchmark import profile_table, sizes_table, speeds_table
+from analysis.report.tables.calibration import calibration_table
+from analysis.report.tables.timestep import runs_table, shares_table
 from analysis.scenarios import cost, derived, study
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
+from analysis.scenarios.study import key_scenarios
 from analysis.verification.impact_file import read_impacts
 
 MUTATIONS = 300
@@ -150,16 +159,63 @@ def test_bonds(tmp_path):
     assert fuzz(broken, OF_TABLES, bonds.read_broken) > MUTATIONS / 2
 
 
-def test_calibration_table(tmp_path):
-    shutil.copy(ROOT / "reference_data" / "runs" / "calibration.csv", tmp_path)
+def check_calibration(columns):
+    calibration_table(pd.DataFrame(columns), (1.8, 0.0141))
 
-    def read(path):
-        try:
-            return calibrate.read_table(path)
-        except ValueError as error:
-            raise InputError(str(error)) from None
 
-    assert fuzz(tmp_path / "calibration.csv", OF_TABLES, read) > MUTATIONS / 3
+def check_timestep(columns):
+    table = pd.DataFrame(columns)
+    assert shares_table(table).rows and runs_table(table).rows and step_shares(table, key_scenarios()) is not None
+
+
+def check_shown(build):
+    return lambda columns: build(pd.DataFrame(columns)).rows
+
+
+KEPT_TABLES = {
+    KEPT_RUNS / "calibration.csv": (kept_tables.CALIBRATION, check_calibration),
+    KEPT_RUNS / "timestep.csv": (kept_tables.TIMESTEP, check_timestep),
+    KEPT_RUNS / "benchmark.csv": (kept_tables.BENCHMARK, check_shown(speeds_table)),
+    KEPT_RUNS / "benchmark_sizes.csv": (kept_tables.BENCHMARK_SIZES, check_shown(sizes_table)),
+    KEPT_RUNS / "benchmark_profile.csv": (kept_tables.BENCHMARK_PROFILE, check_shown(profile_table)),
+    KEPT_VERIFICATION / "verification.csv": (
+        kept_tables.VERIFICATION,
+        check_shown(lambda rows: case_table(rows, "all")),
+    ),
+}
+
+
+@pytest.mark.parametrize("path", KEPT_TABLES, ids=lambda path: path.stem)
+def test_tables_of_studies(tmp_path, path):
+    """Whatever is accepted can be shown."""
+    kind, check = KEPT_TABLES[path]
+    few = path.read_text().splitlines(keepends=True)[:60]
+    (tmp_path / path.name).write_text("".join(few))
+    assert fuzz(tmp_path / path.name, OF_TABLES, lambda path: kept_tables.read(path, kind), check) > MUTATIONS / 2
+
+
+def test_timings_of_a_benchmark(tmp_path):
+    path = tmp_path / "timings.csv"
+    row = "liggghts,linear,{},4573,1,17216,17216,9.{},10.5,1.0\n"
+    rows = "".join(row.format(who, k) for who in ("paper", "verified", "stock") for k in range(1, 6))
+    path.write_text(file_columns.header(kept_tables.TIMINGS.columns) + rows)
+    assert fuzz(path, OF_TABLES, tables.read_timings, lambda found: tables.comparison(found, [])) > MUTATIONS / 2
+
+
+def test_curves_of_the_verification(tmp_path):
+    """A damaged curve is left out; one that is not is drawn."""
+    path = tmp_path / "head-on_liggghts.csv"
+    few = (KEPT_VERIFICATION / "verification" / path.name).read_text().splitlines(keepends=True)[:60]
+    path.write_text("".join(few))
+    good, left_out = path.read_bytes(), 0
+    for case in range(MUTATIONS):
+        path.write_bytes(damaged(good, random.Random(f"{path.name} {SEED} {case}"), OF_TABLES))
+        found = case_curves(tmp_path, "head-on")
+        left_out += not found
+        for curve in found.values():
+            numbers = curve.drop(columns="series").to_numpy()
+            assert numbers.dtype == float and not (abs(numbers) > 1e30).any(), case
+    assert MUTATIONS / 5 < left_out < MUTATIONS
 
 
 def check_bed(bed):

@@ -4,6 +4,7 @@ Each test starts from the same preloaded small bed; the first makes one anew, fr
 """
 
 import contextlib
+import csv
 import json
 import os
 import random
@@ -35,7 +36,8 @@ from small_bed import write_scenarios
 from torture import Tormentor
 
 from analysis.driver import status
-from analysis.driver.engines import LIGGGHTS, YADE
+from analysis.driver.engines import ENGINES, LIGGGHTS, YADE
+from analysis.formats import bed_file
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -219,6 +221,32 @@ def test_a_run_that_diverges_is_stopped_and_its_last_good_state_kept(code, prelo
     assert re.search("diverged: (overlap of|kinetic energy|sleeper through the floor)", done.stderr)
     assert read_record(folder)["state"] == "failed" and read_record(folder)["bed"] == "bed_packed.csv"
     assert latest(folder).is_good() and not engines_of(folder)
+
+
+def test_a_clump_thrown_out_of_the_simulated_space_is_missed_by_the_engine(code, begin, tmp_path):
+    """Two of the uppermost clumps lie in each other; the driver ends a run whose engine counts fewer clumps."""
+    folder, _ = begin(tmp_path, "linear-mu0.8", code)
+    path, state = folder / "raw" / "bed_packed.csv", folder / "raw" / "state.csv"
+    rows = sorted((pose.row for pose in bed_file.read(path)), key=lambda row: row[3])
+    (number, *_), (_, x, y, z, *turned) = rows[-2:]
+    rows[-2] = (number, x, y, z + 0.011, *turned)  # a third of the radius of the small bed's spheres
+    bed_file.write(path, sorted(rows))
+    for name in ("state", "preload"):
+        (folder / "raw" / f"{name}.csv").unlink()
+    argv = ENGINES[code].command("preload", folder)
+    engine = subprocess.Popen(argv, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
+    try:
+        wait_until(lambda: len(clumps_counted(state)) > 1 or engine.poll() is not None, "no rows", seconds=600)
+    finally:
+        engine.kill()
+        engine.wait()
+    assert len(rows) > clumps_counted(state)[-1] >= len(rows) - 2
+
+
+def clumps_counted(path):
+    """The column of complete rows."""
+    lines = path.read_text().split("\n")[:-1] if path.exists() else []
+    return [int(row["clumps"]) for row in csv.DictReader(lines)]
 
 
 def test_liggghts_on_two_ranks_stops_and_goes_on(undisturbed, begin, tmp_path):

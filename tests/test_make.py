@@ -171,6 +171,29 @@ def test_a_checkout_in_a_folder_with_a_colon_is_refused_in_one_line(copy):
     assert "has a colon" in done.stderr and not (moved / ".venv").exists()
 
 
+@pytest.mark.parametrize("has_dpkg", [False, True])
+def test_packages_that_cannot_be_installed_are_named_with_a_remedy(copy, tmp_path, has_dpkg):
+    """On another system, or where apt-get or sudo refuses."""
+    programs = {"dpkg-query": "exit 1", "apt-get": "exit 100", "sudo": "exit 1"} if has_dpkg else {}
+    binaries = tmp_path / "bin"
+    binaries.mkdir()
+    for name in ("dirname", "env"):
+        (binaries / name).symlink_to(shutil.which(name))
+    for name, text in programs.items():
+        (binaries / name).write_text(f"#!{shutil.which('sh')}\n{text}\n")
+        (binaries / name).chmod(0o755)
+    done = subprocess.run(
+        [shutil.which("bash"), copy / "setup.sh", "packages"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        env={"PATH": str(binaries)},
+    )
+    said = "could not install yade liggghts" if has_dpkg else "not a Debian system; install by hand: yade liggghts"
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and said in done.stderr, done.stderr
+
+
 def test_the_environment_of_this_checkout_works():
     assert set_up(ROOT, "works").stdout == ""
 

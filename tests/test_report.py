@@ -20,13 +20,14 @@ import pytest
 from PIL import Image
 from synthetic import write_run
 
+from analysis.comparison.findings.find import find
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
 from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, ROOT, write_csv
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
-from analysis.report import data_archive, style
+from analysis.report import data_archive, readme, style
 from analysis.report.figures.beds import KEPT_BED
 from analysis.report.pictures import render, turnable, view
 from analysis.report.pictures.scene import kept_cycles, load_scene, packed_scene
@@ -588,12 +589,29 @@ def test_beds_tried_in_calibration_are_shown_with_the_chosen_one_marked(tmp_path
     assert drawn["settlement_m"].tolist() == pytest.approx([row["settlement_m"] for row in rows], rel=1e-8)  # 9 digits
 
 
-def test_a_damaged_calibration_table_costs_its_section_and_one_line(tmp_path, capsys):
-    (tmp_path / "none").mkdir()
-    (tmp_path / "none" / "calibration.csv").write_text("aspect\n2\n")
-    pages = build(tmp_path, tmp_path / "report")
+def test_damaged_tables_of_studies_cost_their_sections_and_one_line_each(tmp_path, capsys):
+    kept, out = tmp_path / "none", tmp_path / "report"
+    names = ("calibration", "timestep", "benchmark", "benchmark_sizes", "benchmark_profile")
+    for path in (*(kept / f"{name}.csv" for name in names), out / "verification.csv"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("case,code\n<b>,2\n")
+    pages = build(tmp_path, out)
     assert "How the bed was calibrated" not in pages["assumptions.html"].says
-    assert capsys.readouterr().err.count("calibration.csv") == 1
+    assert not {"timestep.html", "benchmark.html"} & set(pages)
+    said = capsys.readouterr().err.splitlines()
+    for path in (*(f"{name}.csv" for name in names), "verification.csv"):
+        (line,) = [line for line in said if line.startswith(f"warning: {path}: line 1: column ")]
+        assert "or run make" in line
+        assert line.removeprefix("warning: ") in pages["runs.html"].says
+
+
+def test_the_readme_is_not_made_from_damaged_tables(tmp_path, monkeypatch, capsys):
+    (tmp_path / "benchmark.csv").write_text("case,code\n")
+    monkeypatch.setattr(readme, "KEPT_RUNS", tmp_path)
+    monkeypatch.setattr(readme, "find", lambda *some: find(*some, tmp_path))
+    assert readme.main(["--check"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("readme: benchmark.csv: line 1: column ")
 
 
 def test_scene_puts_sleeper_and_plates_where_they_stand(tmp_path):

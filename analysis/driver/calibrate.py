@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 import pandas as pd
 
@@ -25,6 +24,7 @@ from analysis.driver.record import stored_record
 from analysis.driver.run import Run
 from analysis.driver.settings import RESULTS, RunSettings, relative
 from analysis.driver.supervise import Interrupted, RunError, StopRequest
+from analysis.formats import kept_tables
 from analysis.normalised import stages
 from analysis.normalised.porosity import MeasurementSpheres
 from analysis.normalised.readers import CALIBRATION
@@ -37,36 +37,7 @@ from analysis.scenarios.study import key_scenarios
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
 ASPECTS = (1.5, 1.7, 1.8, 1.875)
 TABLE = files.KEPT_RUNS / "calibration.csv"
-STAGE_COLUMNS = {
-    "packing": (
-        "clumps",
-        "porosity_1",
-        "porosity_2",
-        "porosity_3",
-        "porosity_mean",
-        "coordination_number",
-        "overlap_mean_m",
-        "overlap_max_ratio",
-        "normal_force_mean_N",
-    ),
-    "preload": ("settlement_m",),
-}
-
-COLUMNS = (
-    "scenario",
-    "code",
-    "seed",
-    "aspect",
-    "lattice_gap_m",
-    "lattice_sites",
-    "clumps_over_reported",
-    *(name if stage == "packing" else f"{stage}_{name}" for stage, names in STAGE_COLUMNS.items() for name in names),
-    "cycles",
-    "settlement_m",
-    "settlement_peak_m",
-    "lateral_3_m",
-    "state",
-)
+STAGE_COLUMNS = {"packing": kept_tables.PACKED, "preload": ("settlement_m",)}
 
 
 def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float]:
@@ -101,24 +72,6 @@ def load(settings: RunSettings, stop: StopRequest) -> Result:
     if run.bed_file.exists() and not (run.folder / stages.FILE).exists():
         stages.write_stages(run.folder, settings.scenario, {}, MeasurementSpheres(settings.scenario))
     return Result(run.folder)
-
-
-def read_table(path: Path = TABLE) -> pd.DataFrame:
-    """The table that a calibration wrote, a row per bed and contact model, columns as in `row`.
-
-    Raises FileNotFoundError without it, ValueError where it is not such a table.
-    """
-    try:
-        table = pd.read_csv(path)
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
-        table = pd.DataFrame()
-    missing = [name for name in COLUMNS if name not in table]
-    if missing or table.empty:
-        raise ValueError(
-            f"{path.name}: {'column ' + missing[0] + ' is missing' if missing else 'has no row'}; "
-            "restore it or run `make calibrate`"
-        )
-    return table
 
 
 def shortened(value):
@@ -195,7 +148,7 @@ def execute(chosen: argparse.Namespace) -> int:
                 print("calibrate: stopped; the same command goes on", file=sys.stderr)
                 return 128 + stop.signal
             print(pd.DataFrame(rows[-1:]).to_string(index=False), flush=True)
-    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=kept_tables.CALIBRATION.columns)
     files.write_csv(chosen.out, [list(table.columns), *table.map(shortened).to_numpy().tolist()])
     print(f"written: {relative(chosen.out)}")
     return 0 if (table["state"] == "finished").all() else 1

@@ -25,6 +25,7 @@ from analysis.driver.calibrate import load, shortened
 from analysis.driver.engines import LIGGGHTS
 from analysis.driver.settings import RESULTS, RunSettings, relative
 from analysis.driver.supervise import Interrupted, StopRequest
+from analysis.formats import kept_tables
 from analysis.formats.quantities import row_of
 from analysis.normalised import critical_step
 from analysis.normalised.readers import TIMESTEP, Run, load_runs
@@ -42,24 +43,6 @@ SHOWN = (1, 2, 5, 10, 20)
 SAME_STEP = 0.02
 """Relative: steps that differ by less count as one (a cycle has a whole number of them)."""
 TABLE = files.KEPT_RUNS / "timestep.csv"
-COLUMNS = (
-    "scenario",
-    "case",
-    "run",
-    "time_step_s",
-    "critical_step_s",
-    "step_share",
-    "seed",
-    "ranks",
-    "bed",
-    "cycle",
-    "settlement_m",
-    *row_of("lateral_{}_m"),
-    *row_of("porosity_{}"),
-    "kinetic_energy_J",
-    "sleeper_work_J",
-    "state",
-)
 
 
 @dataclass(frozen=True)
@@ -214,7 +197,7 @@ def collect(results) -> tuple[pd.DataFrame, list[Wanted]]:
             rows += rows_of(run, want, critical)
             if (run is None or len(run.cycles) < CYCLES) and not math.isnan(want.step_s):
                 missing.append(want)
-    return pd.DataFrame(rows, columns=COLUMNS), missing
+    return pd.DataFrame(rows, columns=kept_tables.TIMESTEP.columns), missing
 
 
 def write(table: pd.DataFrame) -> None:

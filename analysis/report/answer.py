@@ -237,6 +237,7 @@ def step_shares(timestep: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict
     if timestep.empty:
         return []
     shares = timestep.drop_duplicates(["scenario", "case"]).pivot(index="scenario", columns="case", values="step_share")
+    shares = shares.reindex(columns=["paper", "verified"]).dropna()
     known = [name for name in scenarios if name in shares.index]
     return [
         {"scenario": name, "paper": shares.at[name, "paper"], "study": shares.at[name, "verified"]} for name in known

@@ -22,7 +22,10 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--out", type=Path, default=Path("report/findings"), help="folder of the tables")
     options = parser.parse_args(argv)
     try:
-        paths = found_in(options.results).write(options.out)
+        found = found_in(options.results)
+        for line in found.problems:
+            print(f"warning: {line}", file=sys.stderr)
+        paths = found.write(options.out)
     except (ScenarioError, ClaimError, ValueError) as error:
         print(f"findings: {error}", file=sys.stderr)
         return 1

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import sys
+
+import pandas as pd
 
 from analysis.arguments import Parser
 from analysis.comparison.claims.verdicts import ClaimError
 from analysis.comparison.findings.find import Findings, find
-from analysis.driver.bench.tables import TABLE
 from analysis.files import KEPT_RUNS, ROOT, write_aside
 from analysis.formats import markdown
 from analysis.formats.numbers import readable
@@ -34,6 +34,8 @@ def main(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     try:
         found = find(load_runs(KEPT_RUNS), load_references(), PAPER_SCENARIOS)
+        if found.problems:
+            raise ValueError(found.problems[0])
         now = README.read_text(encoding="utf-8")
         wanted = with_results(now, found)
     except (ScenarioError, ClaimError, ValueError) as error:
@@ -50,25 +52,24 @@ def main(argv: list[str]) -> int:
 def with_results(text: str, found: Findings) -> str:
     """The README with its made sections renewed. Raises ValueError where the marks of a section are missing."""
     sentences = lines("answer.txt", **answer(found, KEY_SCENARIOS, "full"))
-    sections = {"results": "\n".join(f"* {line}" for line in sentences), "hours": hours()}
+    sections = {"results": "\n".join(f"* {line}" for line in sentences), "hours": hours(found.benchmark)}
     for name, body in sections.items():
         text = markdown.replaced(text, name, COMMAND, body, README.name)
     return text
 
 
-def speeds() -> dict[tuple[str, str], float]:
-    """(code, linear | nonlinear) -> steps per second of processor time on the full bed, from the kept benchmark."""
-    with open(TABLE, newline="", encoding="utf-8") as file:
-        return {
-            (row["code"], row["law"]): float(row["steps_per_cpu_s"])
-            for row in csv.DictReader(file)
-            if row["case"] == "ours_paper_step"
-        }
+def speeds(benchmark: pd.DataFrame) -> dict[tuple[str, str], float]:
+    """(code, linear | nonlinear) -> steps per second of processor time on the full bed."""
+    rows = benchmark.itertuples()
+    return {(row.code, row.law): float(row.steps_per_cpu_s) for row in rows if row.case == "ours_paper_step"}
 
 
-def hours() -> str:
-    """Table: hours of one core for 1000 cycles of the full bed, by reading of the load, contact law and code."""
-    measured, rows = speeds(), []
+def hours(benchmark: pd.DataFrame) -> str:
+    """Table: hours of one core for 1000 cycles of the full bed, by reading of the load, contact law and code.
+
+    benchmark   `Findings.benchmark`
+    """
+    measured, rows = speeds(benchmark), []
     for law, scenario in zip(("linear", "nonlinear"), KEY_SCENARIOS, strict=True):
         for variants in ((), (SERVO_VARIANT,)):
             name = join_id(scenario, variants)

@@ -14,6 +14,8 @@ from analysis.comparison.findings.find import Findings, find
 from analysis.comparison.findings.members import TRUE_LOAD, member
 from analysis.driver import status
 from analysis.files import KEPT_RUNS
+from analysis.formats import kept_tables
+from analysis.formats.errors import InputError
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.curves import References
 from analysis.report.figure import Gallery
@@ -62,7 +64,10 @@ class ReportData:
     @cached_property
     def findings(self) -> Findings:
         """What the runs say, as tables."""
-        return find([*self.runs, *self.variants], self.references, PAPER_SCENARIOS, self.kept)
+        found = find([*self.runs, *self.variants], self.references, PAPER_SCENARIOS, self.kept)
+        for line in found.problems:
+            self.gallery.complain(line)
+        return found
 
     @cached_property
     def verdicts(self) -> list:
@@ -151,30 +156,10 @@ def key_runs(data: ReportData, profile: str, reading: str = TRUE_LOAD) -> Runs:
 
 def verification_rows(folder: Path) -> tuple[pd.DataFrame, list[str]]:
     """verification.csv as a table (no rows where there is none), and a line per problem."""
-    columns = [
-        "code",
-        "case",
-        "quantity",
-        "expected",
-        "measured",
-        "abs_error",
-        "rel_error",
-        "tolerance",
-        "passed",
-        "reason",
-    ]
     path = folder / "verification.csv"
-    if not path.exists():
-        return pd.DataFrame(columns=columns), []
     try:
-        rows = pd.read_csv(path, dtype={"code": str, "case": str, "quantity": str, "reason": str, "passed": str})[
-            columns
-        ]
-    except (OSError, ValueError, KeyError) as error:
-        return pd.DataFrame(columns=columns), [
-            f"verification.csv: cannot be read ({' '.join(str(error).split())}); run `make verify` again"
-        ]
-    rows = rows.dropna(subset=["code", "case"])
-    rows["passed"] = rows["passed"].str.lower().eq("true")
-    rows[["quantity", "reason"]] = rows[["quantity", "reason"]].fillna("")
-    return rows, []
+        rows = pd.DataFrame(kept_tables.read(path, kept_tables.VERIFICATION))
+    except InputError as error:
+        there = path.exists() or path.is_symlink()
+        return pd.DataFrame(columns=list(kept_tables.VERIFICATION.columns)), [str(error)] if there else []
+    return rows.assign(passed=rows["passed"].eq("true")), []

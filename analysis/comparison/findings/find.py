@@ -13,6 +13,8 @@ from analysis.comparison.findings import agreement, bonds, influence, runs, serv
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.files import KEPT_RUNS
+from analysis.formats import kept_tables
+from analysis.formats.errors import InputError
 from analysis.normalised.readers import Run
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import load_scenario
@@ -44,9 +46,12 @@ class Findings:
     readings         which of them the reading of the load decides
     computing_time   cost of a cycle
     pending          what is missing: a row per thing
+
+    `problems` has a line for each kept table that cannot be read; its finding has no rows.
     """
 
     members: tuple[Member, ...]
+    problems: tuple[str, ...]
     coverage: pd.DataFrame
     values: pd.DataFrame
     scatter: pd.DataFrame
@@ -73,7 +78,7 @@ class Findings:
 
     def frames(self) -> dict[str, pd.DataFrame]:
         """Every table by its name."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "members"}
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("members", "problems")}
 
     def write(self, folder: Path) -> list[Path]:
         """Write each table as a CSV file into `folder`, and columns.csv, which says what they hold; returns the
@@ -103,8 +108,10 @@ def find(
     scatter = agreement.scatter_table(values)
     pairs = agreement.same_bed_table(listed)
     verdicts = judged.evaluate_claims([m.run for m in listed if m.plain], references)
+    kept, problems = _kept_tables(folder)
     return Findings(
         members=tuple(listed),
+        problems=tuple(problems),
         coverage=runs.coverage_table(listed),
         values=agreement.band_table(values),
         scatter=scatter,
@@ -119,11 +126,7 @@ def find(
         bonds=bonds.bonds_table(listed),
         influence=influence.influence_table(listed, scatter),
         stock=stock.stock_table(listed, scatter),
-        calibration=_kept(folder / "calibration.csv"),
-        timestep=_kept(folder / "timestep.csv"),
-        benchmark=_kept(folder / "benchmark.csv"),
-        benchmark_sizes=_kept(folder / "benchmark_sizes.csv"),
-        benchmark_profile=_kept(folder / "benchmark_profile.csv"),
+        **kept,
         verdicts=judged.to_frame(verdicts),
         readings=judged.compare_readings(verdicts),
         computing_time=runs.computing_time_table(listed),
@@ -131,9 +134,27 @@ def find(
     )
 
 
-def _kept(path: Path) -> pd.DataFrame:
-    """A table kept in the repository; no rows where there is none."""
-    return pd.read_csv(path) if path.exists() else pd.DataFrame()
+KEPT_TABLES = {
+    "calibration": kept_tables.CALIBRATION,
+    "timestep": kept_tables.TIMESTEP,
+    "benchmark": kept_tables.BENCHMARK,
+    "benchmark_sizes": kept_tables.BENCHMARK_SIZES,
+    "benchmark_profile": kept_tables.BENCHMARK_PROFILE,
+}
+
+
+def _kept_tables(folder: Path) -> tuple[dict[str, pd.DataFrame], list[str]]:
+    """The tables kept in the repository, no rows where one is missing or damaged, and a line per damaged one."""
+    frames, problems = dict.fromkeys(KEPT_TABLES, pd.DataFrame()), []
+    for name, table in KEPT_TABLES.items():
+        path = folder / f"{name}.csv"
+        if not path.exists() and not path.is_symlink():
+            continue
+        try:
+            frames[name] = pd.DataFrame(kept_tables.read(path, table))
+        except InputError as error:
+            problems.append(str(error))
+    return frames, problems
 
 
 def _pending(listed: list[Member], references: References, paper_scenarios: Iterable[str]) -> pd.DataFrame:

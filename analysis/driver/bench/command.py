@@ -25,6 +25,7 @@ from analysis.driver.run import run
 from analysis.driver.settings import RESULTS, RunSettings
 from analysis.files import ROOT
 from analysis.formats.growing_csv import GrowingCsv
+from analysis.formats.kept_tables import BENCHMARK_PROFILE, TIMINGS
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 from analysis.scenarios.study import key_scenarios
@@ -95,7 +96,7 @@ def profiled(beds: dict[str, Preloaded], codes: list[str], work: Path, size: str
     for code, law, part, share in rows:
         print(f"{code:9} {law:10} {part:42} {share:6.1%}")
     if size == "full":
-        tables.renew(tables.PROFILE, profile.COLUMNS, rows, key=("code", "law"))
+        tables.renew(tables.PROFILE, BENCHMARK_PROFILE, rows, key=("code", "law"))
 
 
 def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[TimedCase]:
@@ -117,7 +118,7 @@ def size_cases(name: str, bed: Preloaded, codes: list[str], work: Path, profile:
 
 def repeat(found: list[TimedCase], repeats: int, file: Path) -> None:
     """Time all cases in turn, `repeats` times, and add a row for each timing."""
-    table = GrowingCsv(file, tables.TIMINGS)
+    table = GrowingCsv(file, TIMINGS.columns)
     if not file.exists():
         table.start()
     for case in found:

@@ -17,7 +17,6 @@ from analysis.driver.bench.meter import last_step
 from analysis.driver.engine import EngineError
 from analysis.driver.process import EngineProcess, descendants
 
-COLUMNS = ("code", "law", "part", "share")
 SAMPLES_PER_S = 1999
 SAMPLED_S = 2.0
 """A cycle of LIGGGHTS takes four seconds, and no more than one is simulated."""

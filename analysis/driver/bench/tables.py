@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import statistics
 from collections import defaultdict
 from pathlib import Path
 
 from analysis.files import KEPT_RUNS, write_csv
-from analysis.formats import toml_file
+from analysis.formats import kept_tables, toml_file
+from analysis.formats.kept_tables import BENCHMARK, BENCHMARK_SIZES, TIMINGS, KeptTable
 
 TABLE, SIZES, PROFILE = (KEPT_RUNS / f"{name}.csv" for name in ("benchmark", "benchmark_sizes", "benchmark_profile"))
 BASELINE = KEPT_RUNS / "benchmark_baseline.toml"
-TIMINGS = ("code", "law", "who", "clumps", "ranks", "steps", "steps_per_cycle", "cpu_s", "wall_s", "load_average")
-COLUMNS = ("case", "code", "law", "steps_per_cpu_s", "ratio")
-SIZE_COLUMNS = ("code", "law", "clumps", "ranks", "steps_per_cpu_s", "steps_per_wall_s")
 
 
 def read_timings(path: Path) -> list[dict]:
-    """All timings of a file, numbers as numbers; none without it."""
-    if not path.exists():
-        return []
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return [{k: v if k in TIMINGS[:3] else float(v or "nan") for k, v in row.items()} for row in rows]
+    """All timings of a file, numbers as numbers; none without it. InputError where the file is damaged."""
+    return rows_of(path, TIMINGS) if path.exists() else []
+
+
+def rows_of(path: Path, table: KeptTable) -> list[dict]:
+    """A kept table, row by row. InputError where it is damaged."""
+    columns = kept_tables.read(path, table)
+    return [dict(zip(columns, cells, strict=True)) for cells in zip(*columns.values(), strict=True)]
 
 
 def speeds(timings: list[dict]) -> dict[tuple, tuple[float, float]]:
@@ -90,29 +89,21 @@ def exponent(rows: list[tuple[float, float]]) -> float:
 def write(timings_file: Path, size_timings_file: Path) -> list[tuple]:
     """Renew the tables of the repository from all timings; rows of the comparison."""
     rows = comparison(read_timings(timings_file), read_baseline())
-    renew(TABLE, COLUMNS, rows, key=("code", "law"))
-    renew(SIZES, SIZE_COLUMNS, sizes(read_timings(size_timings_file)), key=("code", "law", "clumps", "ranks"))
+    renew(TABLE, BENCHMARK, rows, key=("code", "law"))
+    renew(SIZES, BENCHMARK_SIZES, sizes(read_timings(size_timings_file)), key=BENCHMARK_SIZES.key)
     return rows
 
 
-def renew(table: Path, columns: tuple, rows: list[tuple], key: tuple) -> None:
-    """Write rows into a table in place of those with the same key; rows of what was not timed now stay."""
+def renew(path: Path, table: KeptTable, rows: list[tuple], key: tuple) -> None:
+    """Write rows into a table in place of those with the same key; rows of what was not timed now stay.
+
+    Raises InputError, and leaves the table as it is, where it is damaged.
+    """
     if not rows:
         return
-    places = [columns.index(name) for name in key]
-    timed = {tuple(str(row[n]) for n in places) for row in rows}
-    kept = []
-    if table.exists():
-        with open(table, newline="", encoding="utf-8") as file:
-            kept = [tuple(row[name] for name in columns) for row in csv.DictReader(file)]
+    places = [table.columns.index(name) for name in key]
+    timed = {tuple(row[n] for n in places) for row in rows}
+    kept = [tuple(row.values()) for row in rows_of(path, table)] if path.exists() else []
     others = [row for row in kept if tuple(row[n] for n in places) not in timed]
-    in_order = sorted((*others, *rows), key=lambda row: [_number(row[n]) for n in places])  # stable within a key
-    write_csv(table, [columns, *in_order])
-
-
-def _number(cell) -> tuple:
-    """Sorts names before numbers, and numbers by size."""
-    try:
-        return (1, float(cell))
-    except ValueError:
-        return (0, cell)
+    in_order = sorted((*others, *rows), key=lambda row: [row[n] for n in places])  # stable within a key
+    write_csv(path, [table.columns, *in_order])

@@ -14,7 +14,7 @@ from analysis.report.style import INK, PAPER, SOFT, Canvas
 def calibration_figure(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Figure | None:
     """Clumps against porosity of all beds, and how settlement depends on the clump's aspect at the chosen gap.
 
-    beds     as `calibrate.read_table` gives them
+    beds     as `Findings.calibration` has them
     chosen   aspect and lattice gap (m) of the scenario file
     """
     return gallery.finish(

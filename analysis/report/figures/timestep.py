@@ -18,7 +18,7 @@ LARGEST_SHARE = 0.9
 
 def timestep_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
     """Settlement against step over critical step: a panel per scenario and cycle, a mark per bed."""
-    done = table[(table["state"] == "done") & (table["ranks"] == 1)]
+    done = table[(table["state"] == "done") & (table["ranks"] == 1)].dropna(subset=["settlement_m", "step_share"])
     drawn = [
         _panel(gallery, rows, scenario, cycle)
         for scenario, of_scenario in done.groupby("scenario", sort=False)

@@ -36,6 +36,8 @@ UNITS = {
 PREFIXES = ((1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"))
 PREFIXED = ("m", "s", "N", "J", "Pa")
 LEAST_ERROR = 1e-12
+LARGEST_VALUE = 1e30
+"""In SI units; beyond it a curve is damaged."""
 LEAST_RANGE = 0.02
 """Of an axis over its greatest value: what drifts by less looks level."""
 FEW, MOST_HOVERED = 25, 300
@@ -72,11 +74,13 @@ def case_curves(folder: Path, case: str) -> dict[str, pd.DataFrame]:
     found = {}
     for code in CODE_NAMES:
         try:
-            table = pd.read_csv(folder / f"{case}_{code}.csv", dtype={"series": str})
-        except (OSError, ValueError):
+            table = pd.read_csv(folder / f"{case}_{code}.csv", dtype={"series": str}, encoding="utf-8")
+            numbers = table.drop(columns="series").astype(float)
+        except (OSError, ValueError, KeyError):
             continue
-        if len(table) and "series" in table and table.shape[1] >= 3:
-            found[code] = table
+        good = not (numbers.abs() > LARGEST_VALUE).any(axis=None) and table["series"].notna().all()
+        if len(table) and good and numbers.shape[1] >= 2:
+            found[code] = table[["series"]].join(numbers)
     return found
 
 

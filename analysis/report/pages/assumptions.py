@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.comparison import codes
-from analysis.driver import calibrate
 from analysis.report.figures.calibration import calibration_figure
 from analysis.report.figures.plates import plate_figures
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, known_scenarios
@@ -49,12 +48,8 @@ def parameter_groups(parameters: dict) -> list[dict]:
 
 def calibration(data: ReportData, base: Scenario | None) -> dict:
     """Table and figure of the beds that `make calibrate` tried, the chosen one marked; {} where there are none."""
-    try:
-        beds = calibrate.read_table(data.kept / calibrate.TABLE.name)
-    except FileNotFoundError:
-        return {}
-    except ValueError as error:
-        data.gallery.complain(str(error))
+    beds = data.findings.calibration
+    if beds.empty:
         return {}
     chosen = (base["clump.aspect"], base["packing.lattice_gap"]) if base else (np.nan, np.nan)
     return {

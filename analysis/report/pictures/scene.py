@@ -10,7 +10,10 @@ import numpy as np
 import pandas as pd
 
 from analysis.formats import file_columns
+from analysis.formats.errors import InputError
 from analysis.normalised import beds
+from analysis.normalised.frames import read_table
+from analysis.normalised.microstructure import read_contacts
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -128,11 +131,11 @@ def _shifted(block: derived.Block, by) -> derived.Block:
 
 def _cycles(folder: Path) -> pd.DataFrame:
     """Displacements of sleeper and plates (m) by cycle; no rows where there are none."""
-    columns = ["cycle", "settlement_m", *(f"lateral_{k}_m" for k in file_columns.PLATES)]
+    columns = ["settlement_m", *(f"lateral_{k}_m" for k in file_columns.PLATES)]
     try:
-        return pd.read_csv(folder / "cycles.csv", usecols=columns)[columns].astype({"cycle": int}).set_index("cycle")
-    except (OSError, ValueError):
-        return pd.DataFrame(columns=columns).set_index("cycle")
+        return read_table(folder / "cycles.csv", file_columns.CYCLES).set_index("cycle")[columns]
+    except InputError:
+        return pd.DataFrame(columns=columns)
 
 
 def _places(folder: Path, cycle: int | None) -> tuple[float, list[float]]:
@@ -160,9 +163,8 @@ def _displacement(before: Path, bed: pd.DataFrame) -> np.ndarray | None:
 
 def _contacts(path: Path) -> pd.DataFrame | None:
     try:
-        table = pd.read_csv(path)
-        return table[["clump_1", "clump_2", "x_m", "y_m", "z_m", "normal_force_N"]].astype(float)
-    except (OSError, ValueError, KeyError):
+        return read_contacts(path)
+    except InputError:
         return None
 
 
