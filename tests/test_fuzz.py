@@ -202,6 +202,13 @@ def test_timings_of_a_benchmark(tmp_path):
     assert fuzz(path, OF_TABLES, tables.read_timings, lambda found: tables.comparison(found, [])) > MUTATIONS / 2
 
 
+def test_the_baseline_of_the_benchmark(tmp_path, monkeypatch):
+    shutil.copy(tables.BASELINE, tmp_path)
+    path = tmp_path / tables.BASELINE.name
+    monkeypatch.setattr(tables, "BASELINE", path)
+    assert fuzz(path, OF_TEXTS, lambda path: tables.comparison([], tables.read_baseline())) > MUTATIONS / 3
+
+
 def test_curves_of_the_verification(tmp_path):
     """A damaged curve is left out; one that is not is drawn."""
     path = tmp_path / "head-on_liggghts.csv"

@@ -680,6 +680,18 @@ def test_a_prepared_run_starts_nothing_and_its_deck_tells_what_each_value_is(tmp
     assert again.returncode == 0, again.stderr
 
 
+@pytest.mark.parametrize("kept", [("cycles.csv",), ("raw", "checkpoints")])
+def test_a_run_that_has_results_is_not_prepared_again(finished, kept):
+    results, folder = finished
+    for path in folder.iterdir():
+        if path.name not in (*kept, "run.json", "scenario.json"):
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    before = everything(folder)
+    done = drive((FAKE[0], "-m", "analysis", "prepare"), "linear-mu0.8", "--code", "yade", "--results", results)
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "another SEED or RESULTS" in done.stderr
+    assert everything(folder) == before
+
+
 def test_a_run_that_takes_a_bed_is_prepared_with_it(finished, tmp_path):
     results, _ = finished
     ballast = (FAKE[0], "-m", "analysis", "prepare")

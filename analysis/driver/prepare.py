@@ -22,9 +22,12 @@ from analysis.scenarios.scenario import ScenarioError
 def prepare(settings: RunSettings, engine: Engine) -> str:
     """Write a run's folder without starting anything; return the commands of its three stages, one a line.
 
-    Raises RunError where the folder has results of other parameters, is in use, or cannot be used by the engine.
+    Raises RunError where the folder has results of other parameters or a loaded bed, which stages started by hand would
+    write over, is in use, or cannot be used by the engine.
     """
     refusal.refuse_changes(settings)
+    if refusal.is_loaded(settings):
+        raise RunError(f"{settings.folder} has cycles or a preloaded bed already; {refusal.START_OVER}")
     refusal.refuse_place(settings, engine)
     first, source = settings.folder / "checkpoints" / f"cyclic_000000.{engine.checkpoint_suffix}", settings.bed
     if not source and settings.scenario["packing.bed_from"]:

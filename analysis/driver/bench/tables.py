@@ -9,7 +9,9 @@ from pathlib import Path
 
 from analysis.files import KEPT_RUNS, write_csv
 from analysis.formats import kept_tables, toml_file
-from analysis.formats.kept_tables import BENCHMARK, BENCHMARK_SIZES, TIMINGS, KeptTable
+from analysis.formats.errors import InputError
+from analysis.formats.kept_tables import BENCHMARK, BENCHMARK_SIZES, LAWS, TIMINGS, KeptTable
+from analysis.formats.quantities import CODES
 
 TABLE, SIZES, PROFILE = (KEPT_RUNS / f"{name}.csv" for name in ("benchmark", "benchmark_sizes", "benchmark_profile"))
 BASELINE = KEPT_RUNS / "benchmark_baseline.toml"
@@ -59,8 +61,18 @@ def comparison(timings: list[dict], baseline: list[dict]) -> list[tuple]:
 
 
 def read_baseline() -> list[dict]:
-    """Speeds of the commit that ours are compared with, recorded beside stock's: see the file."""
-    return toml_file.read(BASELINE)["speed"]
+    """Speeds of the commit that ours are compared with, recorded beside stock's: see the file.
+
+    Raises InputError where the file is damaged.
+    """
+    rows = toml_file.read(BASELINE).get("speed")
+    speeds = ("steps_per_cpu_s", "stock_steps_per_cpu_s")
+    for row in rows if isinstance(rows, list) and rows else [None]:
+        named = isinstance(row, dict) and row.get("code") in CODES and row.get("law") in LAWS
+        if not named or not all(isinstance(row.get(k), float) and 0 < row[k] < math.inf for k in speeds):
+            allowed = f"tables of code, law, {' and '.join(speeds)}; restore the file"
+            raise InputError(BASELINE.name, "speed", row, allowed)
+    return rows
 
 
 def sizes(timings: list[dict]) -> list[tuple]:
