@@ -1,7 +1,6 @@
 """What the documents say of files, commands, keys and equations is there."""
 
 import re
-import subprocess
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -22,16 +21,9 @@ from analysis.scenarios.scenario import (
 )
 from analysis.scenarios.schema import KEYS
 
-DOCUMENTS = [
-    ROOT / name
-    for name in subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-]
+MADE = re.compile(r"\..*|results|report|build|\w+\.egg-info")
+"""Folders that are not in the repository."""
+DOCUMENTS = [path for path in sorted(ROOT.rglob("*.md")) if not any(map(MADE.fullmatch, path.relative_to(ROOT).parts))]
 WANTED = write.files()
 GUIDES = [path for path in DOCUMENTS if path.name != "PARAMETERS.md"]
 EXAMPLES = {

@@ -569,10 +569,14 @@ def test_where_a_file_system_has_no_locks_a_run_is_still_refused_to_others(tmp_p
     assert "finished already" in drive(NO_LOCKS, *LINEAR, "--results", tmp_path).stdout
 
 
+needs_git = pytest.mark.skipif(not shutil.which("git"), reason="git is not installed")
+
+
 def git(folder, *words):
     return subprocess.run(["git", "-C", folder, *words], check=True, capture_output=True, text=True).stdout.strip()
 
 
+@needs_git
 def test_a_copy_inside_another_repository_does_not_take_its_commit(tmp_path, monkeypatch):
     git(tmp_path, "init", "-q")
     git(tmp_path, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "other")
@@ -588,6 +592,7 @@ def test_a_copy_inside_another_repository_does_not_take_its_commit(tmp_path, mon
     assert provenance.git_state()["git_commit"].startswith("unknown")
 
 
+@needs_git
 def test_a_shallow_clone_knows_its_commit(tmp_path, monkeypatch):
     git(tmp_path, "init", "-q", "origin")
     for name in ("first", "second"):
@@ -600,6 +605,7 @@ def test_a_shallow_clone_knows_its_commit(tmp_path, monkeypatch):
     assert found == {"git_commit": git(tmp_path / "origin", "rev-parse", "HEAD"), "git_dirty": False}
 
 
+@needs_git
 def test_a_result_kept_in_the_clone_does_not_make_the_program_a_changed_one(tmp_path, monkeypatch):
     git(tmp_path, "init", "-q")
     for name in ("program", "reference_data/kept.csv"):
