@@ -182,6 +182,24 @@ def servo_run(results, contacts, gain=0.8, variant="servo", cycles=6, scenario="
     return target / "liggghts"
 
 
+def test_the_band_of_one_bed_takes_in_the_replicates_of_the_time_step_study():
+    steps = [("paper", 2e-6, 1, "a", 1.00), ("half", 1e-6, 1, "a", 0.98), ("rounding", 2e-6, 2, "a", 1.05)]
+    steps += [("0.8", 3e-6, 1, "a", 2.0), ("seed 2", 1e-6, 1, "b", 3.0)]  # another step, another bed: no replicates
+    names = ["case", "time_step_s", "ranks", "bed", "settlement_m"]
+    timestep = pd.DataFrame(steps, columns=names).assign(scenario="linear-mu0.8", cycle=5)
+    late = timestep.assign(cycle=20, settlement_m=timestep["settlement_m"] * timestep["ranks"])
+    pairs = agreement.replicates(pd.concat([timestep, late], ignore_index=True))
+    assert sorted(zip(pairs["one"], pairs["other"], strict=True)) == [("paper", "half"), ("paper", "rounding")]
+    assert pairs.set_index("other").at["rounding", "difference_ratio"] == pytest.approx(0.05 / 1.025)
+    codes = {"profile": "full", "scenario": "linear-mu0.8", "reading": "true load", "bed": "c", "differs": "code"}
+    found = pd.DataFrame([codes | {"one": "y", "other": "l", "cycle": 5, "difference_ratio": 0.04}])
+    alone, together = (agreement.same_bed_verdicts(found, *more).iloc[0] for more in ((), (timestep,)))
+    assert alone["state"] == agreement.OPEN and alone["band_pairs"] == 0
+    assert together["state"] == agreement.AGREES and together["band_pairs"] == 2
+    servo = agreement.same_bed_verdicts(found.assign(reading="servo"), timestep).iloc[0]
+    assert servo["band_pairs"] == 0, "the study of the time step is made under the true load"
+
+
 def test_what_the_servo_makes_of_the_load_follows_from_counted_contacts_gain_and_bed(tmp_path):
     servo_run(tmp_path, 200)
     servo_run(tmp_path, 90, gain=0.3, variant="servo-gain0.3")

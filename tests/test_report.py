@@ -221,15 +221,20 @@ def test_overview_opens_with_the_answer_and_folds_what_is_pending(full):
     page = full[2]["index.html"]
     says = page.says
     found = [
-        says.index(words) for words in ("The linear model (linear μ 0.8) settles 0.36 mm", "Pending:", "The test.")
+        says.index(words)
+        for words in (
+            "The linear model (linear μ 0.8: contacts of constant stiffness) settles 0.36 mm",
+            "Pending:",
+            "The test.",
+        )
     ]
     assert found == sorted(found)
     for words in (
         "over 2 packed beds) in 10 cycles",
-        "PFC's servo with its default gain",
+        "Loaded by PFC's servo with its default gain",
         "The bonded model of Chen et al., run here from the paper's Table 3, settles",
         "12 of its 90 bonds broke",
-        "With beds of their own the codes agree in",
+        "From beds of their own they agree within 25 % in",
         "end before the paper's 1000 cycles",
         "reference curves of",
     ):

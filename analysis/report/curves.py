@@ -14,6 +14,15 @@ from analysis.report.figure import Curve
 from analysis.report.labels import SOURCE_NAMES, reference_name
 from analysis.report.style import PAPER, SOFT, Canvas
 
+NEAR_END = 0.8
+"""A mean that reaches this share of its longest bed's cycles carries the curve's name."""
+
+TITLE_ROOM = 19
+"""Points above the axes that a title takes."""
+
+MARKED_TOP = 0.46
+"""Margin in inches above axes that have a title and the mark of pending curves above it."""
+
 
 def thin(cycles: np.ndarray, most: int = 140) -> np.ndarray:
     """Positions of at most about `most` cycles, dense at the start and even later on: enough for a line and for
@@ -75,7 +84,8 @@ def draw(
     if len(x):
         canvas.axes.plot(x, y, color=colour, **options)
     if label:
-        canvas.labels.append((*max(ends, key=lambda end: end[0]), tag, colour))
+        longest = max(ends, key=lambda end: end[0])
+        canvas.labels.append((*(ends[0] if ends[0][0] >= NEAR_END * longest[0] else longest), tag, colour))
     if hover:
         canvas.series.append(
             {
@@ -188,22 +198,23 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
 
 
 def pending_mark(canvas: Canvas, pending: Sequence[str], drawn: pd.DataFrame | None = None) -> None:
-    """Say that reference curves are missing, above the axes or, where a title stands there, at their bottom; `drawn`
-    are rows of those that are there.
+    """Say above the axes, and above a title that stands there, that reference curves are missing; `drawn` are rows of
+    those that are there.
     """
     if pending:
-        inside = bool(canvas.axes.get_title("left"))
-        between = "\n" if inside else " "
-        canvas.axes.text(
-            1,
-            0.02 if inside else 1.02,
-            ("reference" if drawn is None or not len(drawn) else "some reference") + between + "curves pending",
-            transform=canvas.axes.transAxes,
+        titled = bool(canvas.axes.get_title("left"))
+        canvas.axes.annotate(
+            ("reference" if drawn is None or not len(drawn) else "some reference") + " curves pending",
+            (0 if titled else 1, 1),
+            (0, TITLE_ROOM if titled else 2),
+            textcoords="offset points",
+            xycoords="axes fraction",
             fontsize=style.SMALL,
             color=SOFT,
-            ha="right",
+            ha="left" if titled else "right",
             va="bottom",
             style="italic",
+            annotation_clip=False,
         )
 
 

@@ -36,7 +36,7 @@ def environment(**options) -> jinja2.Environment:
         undefined=jinja2.ChainableUndefined,
         **options,
     )
-    made.filters |= {"slug": slug, "symbols": symbols, "breaks": breaks}
+    made.filters |= {"slug": slug, "symbols": symbols, "breaks": breaks, "strong": strong}
     made.globals |= {
         "zip": zip,
         "number": number,
@@ -72,6 +72,11 @@ def source_name(source: str) -> str:
 def breaks(key: str) -> Markup:
     """A key that may break after its dot and its underscores, nowhere else."""
     return Markup(re.sub(r"([._])", r"\1<wbr>", str(escape(key))))
+
+
+def strong(line: str) -> Markup:
+    """A line of a text with what stands between two pairs of stars in bold."""
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(line))))
 
 
 def symbols(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
-from analysis.report.answer import of_the_paper, only, states
+from analysis.report.answer import of_the_paper, only, servo_filter, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables.base import number
@@ -50,12 +50,10 @@ def _agreement(data: ReportData, profile: str) -> Tile | None:
 
 
 def _servo(data: ReportData, profile: str) -> Tile | None:
-    rows = only(
-        data.findings.servo, profile=profile, scenario=KEY_SCENARIOS[-1] if KEY_SCENARIOS else "", variant="servo"
-    )
-    if rows.empty:
+    passed = servo_filter(data.findings.servo, KEY_SCENARIOS[-1] if KEY_SCENARIOS else "", profile)
+    if not passed:
         return None
-    ratio = rows["amplitude_ratio"].mean()
+    ratio = passed["amplitude_ratio"]
     return Tile(
         f"{number(ratio, 2, 100)} %", "of the load's amplitude passes PFC's servo, nonlinear model", "servo.html"
     )

@@ -39,6 +39,7 @@ CODES = ("liggghts", "yade")
 PAPER = "paper"
 
 RUN = "a full-size run of "
+AND = " and "
 WITHIN = "more packed beds or cycles: what decides is within the uncertainty"
 PENDING = "(pending)"
 ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the uncertainty"
@@ -371,7 +372,7 @@ def _together(missing: Iterable[str]) -> tuple[str, ...]:
     entries = list(dict.fromkeys(missing))
     scenarios = [e.removeprefix(RUN) for e in entries if e.startswith(RUN)]
     others = [e for e in entries if not e.startswith(RUN)]
-    return ((f"{RUN}{' and '.join(scenarios)}",) if scenarios else ()) + tuple(others)
+    return ((f"{RUN}{AND.join(scenarios)}",) if scenarios else ()) + tuple(others)
 
 
 def _longest(members: Iterable[Member]) -> list[Member]:

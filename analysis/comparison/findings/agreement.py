@@ -15,7 +15,7 @@ import pandas as pd
 from scipy import stats
 
 from analysis.comparison import quantities, same_bed
-from analysis.comparison.findings.members import Member, groups
+from analysis.comparison.findings.members import TRUE_LOAD, Member, groups
 from analysis.formats.quantities import CODES, COMPARED
 
 CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -208,17 +208,43 @@ def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=SAME_BED)
 
 
-def same_bed_verdicts(pairs: pd.DataFrame) -> pd.DataFrame:
+HALF_STEP = 0.02
+"""Two time steps are one half of the other to within this share: a cycle is a whole number of steps."""
+
+
+def replicates(timestep: pd.DataFrame) -> pd.DataFrame:
+    """Pairs of LIGGGHTS runs of `make timestep` from one bed, under the true load, that differ in rounding (ranks) or
+    by half a time step alone: scenario, bed, one, other, cycle, difference_ratio (over the mean of the two).
+    """
+    columns = ["scenario", "bed", "one", "other", "cycle", "difference_ratio"]
+    if timestep.empty:
+        return pd.DataFrame(columns=columns)
+    shared = timestep[timestep["cycle"].between(1, same_bed.SHARED_CYCLES)]
+    pairs = shared.merge(shared, on=["scenario", "bed", "cycle"], suffixes=("_one", "_other"))
+    ratio = pairs["time_step_s_one"] / pairs["time_step_s_other"]
+    rounding = (ratio == 1) & (pairs["ranks_one"] < pairs["ranks_other"])
+    half = (ratio.sub(2).abs() < 2 * HALF_STEP) & (pairs["ranks_one"] == pairs["ranks_other"])
+    pairs = pairs[rounding | half]
+    one, other = pairs["settlement_m_one"], pairs["settlement_m_other"]
+    pairs = pairs.rename(columns={"case_one": "one", "case_other": "other"})
+    return pairs.assign(difference_ratio=2 * (other - one) / (one + other))[columns]
+
+
+def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None) -> pd.DataFrame:
     """Is the criterion met, that the codes differ by no more than half a time step or rounding alone changes?
 
     A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
-    over
-    the shared cycles and as a share of the settlement, and the state.
+    over the shared cycles and as a share of the settlement, and the state. The band is that of all pairs of the
+    bed that do not differ in the code and of the `replicates` of the time step's study on its bed.
     """
+    more = replicates(pd.DataFrame() if timestep is None else timestep)
+    more = more.assign(profile="full", reading=TRUE_LOAD, size=more["difference_ratio"].abs())
     rows = []
     for (profile, scenario, reading, bed), part in pairs.groupby(["profile", "scenario", "reading", "bed"], sort=False):
         size = part.assign(size=part["difference_ratio"].abs())
+        alike = (more["profile"] == profile) & (more["scenario"] == scenario) & (more["reading"] == reading)
         codes, band = size[size["differs"] == "code"], size[size["differs"] != "code"]
+        band = pd.concat([part for part in (band, more[alike]) if len(part)] or [band], ignore_index=True)
         if codes.empty:
             continue
         largest = float(codes["size"].max())
@@ -233,7 +259,7 @@ def same_bed_verdicts(pairs: pd.DataFrame) -> pd.DataFrame:
                 "cycles": int(codes["cycle"].max()),
                 "codes_ratio": largest,
                 "band_ratio": limit,
-                "band_pairs": len(band[["one", "other"]].drop_duplicates()),
+                "band_pairs": len(band[["bed", "one", "other"]].drop_duplicates()),
                 "state": state,
             }
         )

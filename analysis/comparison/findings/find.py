@@ -117,7 +117,7 @@ def find(
         scatter=scatter,
         agreement=agreement.agreement_table(values, scatter),
         same_bed=pairs,
-        same_bed_verdicts=agreement.same_bed_verdicts(pairs),
+        same_bed_verdicts=agreement.same_bed_verdicts(pairs, kept["timestep"]),
         rates=runs.rates_table(listed),
         packed_beds=runs.packed_beds_table(listed),
         load_tracking=runs.load_table(listed),

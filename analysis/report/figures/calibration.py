@@ -48,9 +48,10 @@ def _packed(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -
         c.axes.annotate(
             text,
             (bed.clumps, bed.porosity_mean),
-            xytext=(6, 0),
+            xytext=(-6 if is_chosen else 6, 0),  # the paper's mark stands right of the chosen bed
             textcoords="offset points",
             va="center",
+            ha="right" if is_chosen else "left",
             fontsize=style.SMALL,
             color=colour,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from analysis.comparison.findings.members import SERVO
 from analysis.report import style
@@ -12,6 +13,21 @@ from analysis.report.style import SOFT
 
 LARGEST = 2.0
 """Bars end here; the number says the rest."""
+
+
+TITLE_START = -0.66
+"""Of the axes' width: where their title starts, above the names of the bars."""
+
+ROOM = 0.3
+"""Beside the longest bar, of all bars' width: for its number."""
+
+
+def limits(changes: pd.Series, scatter: float) -> tuple[float, float]:
+    """Ends of the axis in percent: all bars with their numbers, and the band of `scatter`."""
+    shown = changes.clip(upper=LARGEST)
+    low, high = min(shown.min(), -scatter, 0.0), max(shown.max(), scatter, 0.0)
+    room = ROOM * (high - low)
+    return 100 * (low - (room if (shown < 0).any() else 0.1 * room)), 100 * (high + room)
 
 
 def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what: str) -> Figure | None:
@@ -25,9 +41,10 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
             f"influence-{quantity}-{scenario}-{'servo' if reading == SERVO else 'force'}",
             f"Change of {what} in {short_name(scenario)}, {READING_NAMES[reading]}; largest: "
             f"{variant_name(part['variant'].iloc[-1])} {100 * part['change_ratio'].iloc[-1]:+.0f} %",
-            height=0.9 + 0.24 * len(part),
-            left=1.6,
-            right=0.6,
+            height=1.08 + 0.24 * len(part),
+            left=1.5,
+            right=0.4,
+            top=0.5,
         )
         scatter = part["scatter_ratio"].dropna()
         if len(scatter):
@@ -48,10 +65,15 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
             )
         c.axes.set_yticks(range(len(part)), [variant_name(v) for v in part["variant"]])
         c.axes.axvline(0, color=SOFT, linewidth=0.8)
-        size = 100 * max(0.3, part["change_ratio"].abs().clip(upper=LARGEST).max())
-        c.axes.set_xlim(-1.25 * size if (part["change_ratio"] < 0).any() else -0.1 * size, 1.25 * size)
-        c.axes.set_xlabel(f"change of {what} after {part['cycle'].max()} cycles, %")
-        c.axes.set_title(f"{short_name(scenario)}, {READING_NAMES[reading]}: {1e3 * base:.3g} mm")
+        c.axes.set_xlim(*limits(part["change_ratio"], scatter.max() if len(scatter) else 0.0))
+        c.axes.xaxis.set_major_locator(MaxNLocator(4))
+        c.axes.set_xlabel(f"change of {what}, %", x=0.0, ha="left")
+        c.axes.set_title(
+            f"{short_name(scenario)}, {READING_NAMES[reading]}\nunchanged: {1e3 * base:.3g} mm after "
+            f"{part['cycle'].max()} cycles",
+            x=TITLE_START,
+            ha="left",
+        )
         c.table = part
         drawn.append(c)
     return gallery.finish(

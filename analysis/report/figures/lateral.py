@@ -12,6 +12,7 @@ from analysis.formats.numbers import plural
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import (
+    MARKED_TOP,
     draw_references,
     pending_mark,
     pending_names,
@@ -55,7 +56,7 @@ def _panel(
 ) -> Canvas:
     """The profiles after one number of cycles, and the reference curves `rows`."""
     when = f"after {plural(cycle, 'cycle')}"
-    c = style.canvas(name, f"{title} {when}", width=3.7, height=3.1)
+    c = style.canvas(name, f"{title} {when}", width=3.7, height=3.2, top=MARKED_TOP if pending else 0.32)
     c.leaders = False
     frames = [frame for curve in curves if (frame := _draw_profile(c, curve, cycle)) is not None]
     if not frames:

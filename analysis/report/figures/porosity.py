@@ -12,6 +12,7 @@ from analysis.formats.quantities import SPHERE_NAMES
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import (
+    MARKED_TOP,
     curve_rows,
     cycle_axis,
     draw,
@@ -37,7 +38,10 @@ def porosity_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str
     for scenario in dict.fromkeys(curve.scenario for curve in curves):
         members = [curve for curve in curves if curve.scenario == scenario]
         family = members[0].family
-        c = style.canvas(f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}")
+        top = MARKED_TOP if pending else 0.32
+        c = style.canvas(
+            f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}", height=2.68 + top, top=top
+        )
         for curve in members:
             for k, sphere in enumerate(SPHERE_NAMES, start=1):
                 colour = style.shade(family, k - 2.0)

@@ -123,8 +123,7 @@ def measured_shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, titl
     cycle_axis(c, reference, True)
     c.table = pd.concat(frames, ignore_index=True)
     caption = (
-        f"Dotted: {known.quantity}, {known.status}; {known.provenance}. What they decide: {known.decides}. What "
-        f"they cannot "
-        f"decide: {known.cannot_decide}. Weakness: {known.weakness}."
+        f"Dotted: triaxial tests of ballast, named by confinement and deviator stress; {known.quantity}, "
+        f"{known.status}. Only shapes can be compared."
     )
     return gallery.finish(name, title, caption, [c], [curve.main for curve in curves], curves)

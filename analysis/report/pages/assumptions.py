@@ -31,6 +31,7 @@ def assumptions(data: ReportData) -> dict:
         "derived": derived_table(base) if base else None,
         "differences": difference_table(scenarios),
         "base": base.name if base else "",
+        "influence": (data.findings.influence["profile"] == "full").any(),
         "sensitivity": sensitivity_table((*data.runs, *data.variants)),
         "calibration": calibration(data, base),
         "plates": plate_laws(data),

@@ -15,7 +15,7 @@ from analysis.report.tables.bonds import bonds_table
 from analysis.scenarios.scenario import load_scenario
 
 TITLE = "Chen et al.: the bonded model, our own run"
-WAITS = "It appears as soon as a run of the bonded model has finished a cycle (`make liggghts-chen2015`)."
+WAITS = "It appears as soon as a run of the bonded model has finished a cycle (make liggghts-chen2015)."
 OF_CHEN = (
     "Chen et al. (2015) is run here from the parameters of Table 3, with parallel bonds between the particles that "
     "touch at the end of packing (assumed). It is not their published curve, which is pending."

@@ -66,6 +66,22 @@ def labelled(text: str) -> str:
     return with_labels(text, known_scenarios()).replace("+-", "±").replace("->", "→")
 
 
+NAMED = 2
+"""Scenarios without a run that the line of a card names; of more it says how many."""
+
+
+def missing_line(found: list) -> str:
+    """What the first verdict that is not decided lacks, and of how many more; empty where all are decided."""
+    lacking = [(v, what) for v in found for what in v.missing]
+    if not lacking:
+        return ""
+    verdict, what = lacking[0]
+    names = what.removeprefix(evidence.RUN).split(evidence.AND) if what.startswith(evidence.RUN) else []
+    text = f"full-size runs of {len(names)} scenarios" if len(names) > NAMED else labelled(what)
+    more = len(lacking) - 1
+    return f"Missing in {where_of(verdict)}: {text}{f'; and {more} more, see the evidence' if more else ''}."
+
+
 def card(number: int, found: list) -> dict:
     """One claim: sentence, verdicts, criterion, and the parts that decide it."""
     claim = found[0].claim
@@ -93,7 +109,7 @@ def card(number: int, found: list) -> dict:
         "because": [
             labelled(line) for line in dict.fromkeys(f"{where_of(v)}: {v.because}" for v in found if v.because)
         ],
-        "missing": [labelled(what) for what in dict.fromkeys(what for v in found for what in v.missing)],
+        "missing": missing_line(found),
         "table": table,
         "notes": [labelled(note) for note in dict.fromkeys(note for v in found for note in v.notes)],
     }

@@ -25,6 +25,7 @@ def comparison(data: ReportData) -> dict:
     g, found, few = data.gallery, data.findings, key_runs(data, profile)
     agreed, plain = only(found.agreement, profile=profile), {m.run.id for m in found.members if m.plain}
     rates = only(found.rates, profile=profile, seed=1)
+    rates = rates[rates["run"].isin(plain)]
     return {
         "profile": profile,
         "states": states(agreed),
@@ -37,7 +38,8 @@ def comparison(data: ReportData) -> dict:
         "same_bed_parts": same_bed_parts(data, profile),
         "stock": stock_table(only(found.stock, profile=profile)),
         "beds": settling.beds_table(run for run in data.runs if run.profile == profile),
-        "rates": settling.rates_table(rates[rates["run"].isin(plain)]),
+        "rates": settling.rates_table(rates[rates["scenario"].isin(KEY_SCENARIOS)]),
+        "every_rate": settling.rates_table(rates),
         "strokes": stroke_figure(g, few, f"strokes-{profile}"),
         "loops": loop_figure(g, [run for run in few if run.seed == 1], f"loops-{profile}"),
         "micro": microstructure_figure(g, few, f"micro-{profile}"),

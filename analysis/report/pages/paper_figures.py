@@ -7,6 +7,7 @@ from collections.abc import Callable
 from analysis.comparison import against_published
 from analysis.comparison.findings.members import READINGS, member
 from analysis.normalised.readers import Run, Runs
+from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.figures import remade
 from analysis.report.figures.porosity import sphere_figure
 from analysis.report.figures.restitution import restitution_figure
@@ -49,10 +50,19 @@ def all_groups(data: ReportData, profile: str) -> list[dict]:
         in_readings("Figure 12: lateral displacement, nonlinear model", data, runs, remade.figure12),
         in_readings("Figure 13: porosity", data, runs, remade.figure13, spheres),
         in_readings("The shape of settlement", data, key_runs_of_both(data, profile), remade.shape_figures)
-        | {"folded": [reference.law_table(run for run in runs if run.seed == 1)]},
+        | {"folded": [reference.law_table(run for run in runs if run.seed == 1)], "note": tests_note()},
         section("Reference curves", tables=reference_tables(data, profile)),
         section("Scenarios that are not the paper's", remade.further_figures(g, runs)),
     ]
+
+
+def tests_note() -> str:
+    """What the triaxial tests decide, and what they cannot."""
+    known = settlement_shapes()
+    return (
+        f"The triaxial tests: {known.provenance}. They decide {known.decides}. They cannot decide "
+        f"{known.cannot_decide}. Their weakness: {known.weakness}."
+    )
 
 
 def section(title: str, figures: list | None = None, tables: list | None = None, missing: str = "") -> dict:

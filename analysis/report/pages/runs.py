@@ -12,9 +12,9 @@ from analysis.driver.status import load_not_reached
 from analysis.formats import file_columns
 from analysis.normalised.readers import Run
 from analysis.report.figures.load import tracking_figure
-from analysis.report.report_data import ReportData, state_of, timing, tracking_percent
+from analysis.report.report_data import ReportData, key_runs, state_of, timing, tracking_percent
 from analysis.report.sentences import lines
-from analysis.report.tables.runs import STATE_KIND, left_out_table, provenance_table
+from analysis.report.tables.runs import STATE_KIND, left_out_table, provenance_table, runs_table
 
 
 def runs_page(data: ReportData) -> dict:
@@ -23,13 +23,14 @@ def runs_page(data: ReportData) -> dict:
     tracking = [
         tracking_figure(
             data.gallery,
-            [run for run in data.of(profile) if member(run).reading == TRUE_LOAD],
+            [run for run in key_runs(data, profile) if member(run).reading == TRUE_LOAD],
             f"tracking-all-{profile}",
             f"Load tracking under the true load, {profile} bed",
         )
         for profile in data.profiles
     ]
     return {
+        "all_runs": runs_table(runs),
         "summary": provenance_table(runs),
         "runs": [run_entry(run) for run in runs],
         "tables": [left_out_table(data.left_out)],

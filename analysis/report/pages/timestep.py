@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from analysis.report.figures.timestep import timestep_figure
 from analysis.report.report_data import ReportData
-from analysis.report.tables.timestep import runs_table, shares_table
+from analysis.report.tables.timestep import runs_table, shares_table, spread_table
 
 
 def timestep_page(data: ReportData) -> dict | None:
@@ -14,6 +14,7 @@ def timestep_page(data: ReportData) -> dict | None:
         return None
     done = table[(table["state"] == "done") & (table["cycle"] == table["cycle"].max())]
     return {
+        "spread": spread_table(table),
         "shares": shares_table(table),
         "done": len(done),
         "wanted": len(table[["scenario", "case"]].drop_duplicates()),

@@ -8,7 +8,7 @@ from analysis.files import KEPT_VERIFICATION
 from analysis.report.figures.verification import case_figure
 from analysis.report.report_data import ReportData
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Chip, Column, Table, number
+from analysis.report.tables.base import Chip, Column, Link, Table, number
 from analysis.verification.verify import CASES
 
 OWN_LAW = r"YADE has no|YADE counts|YADE's own|its own oracle|its own expected value"
@@ -45,7 +45,9 @@ def verification(data: ReportData) -> dict:
             | {"failed": case_table(part[~part["passed"]], f"{title}: fail")}
             | {"table": case_table(part[part["passed"]], f"{title}: pass")}
         )
-        summary.rows.append([title, *(count(found[found["case"] == case]) for found in columns.values())])
+        summary.rows.append(
+            [Link(title, f"#case-{case}"), *(count(found[found["case"] == case]) for found in columns.values())]
+        )
     return {
         "rows": len(rows) > 0,
         "kept": data.verification_folder.is_relative_to(KEPT_VERIFICATION),

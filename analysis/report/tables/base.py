@@ -72,10 +72,15 @@ def heading_of(name: str) -> str:
     return f"{label}, {unit}" if unit else label
 
 
+def unbroken(name: str) -> str:
+    """A name that may break after a comma, nowhere else."""
+    return name.replace(" ", "\N{NO-BREAK SPACE}").replace(",\N{NO-BREAK SPACE}", ", ")
+
+
 WORDS: dict[str, Callable[[Any], str]] = {
-    "scenario": short_name,
+    "scenario": lambda name: unbroken(short_name(name)),
     "variant": variant_name,
-    "reading": lambda reading: READING_NAMES[reading],
+    "reading": lambda reading: unbroken(READING_NAMES[reading]),
     "code": lambda code: CODE_NAMES.get(code, code),
     "quantity": lambda name: heading_of(name),
     **dict.fromkeys(("run", "bed", "law", "part"), str),

@@ -49,5 +49,14 @@ def elastic_table(table: pd.DataFrame) -> Table | None:
         table,
         "Settlement by the servo: what springs back when the load falls to "
         f"{number(paper().stress_min_Pa, 3, KPA)} kPa, and what stays",
-        ["scenario", "code", "reading", "cycle", "stress_before_Pa", "settlement_m", "elastic_m", "permanent_m"],
+        [
+            "scenario",
+            "code",
+            Shown("seed", "packed bed"),
+            "cycle",
+            "stress_before_Pa",
+            "settlement_m",
+            "elastic_m",
+            "permanent_m",
+        ],
     )

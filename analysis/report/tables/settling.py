@@ -13,7 +13,7 @@ from analysis.normalised.readers import Run
 from analysis.report.labels import READING_NAMES, short_name
 from analysis.report.report_data import name_of
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number
+from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number, unbroken
 
 TREND_KIND = {"slowing": "good", "steady": "open", "growing": "bad"}
 RATE_FACTOR = 1e6
@@ -49,7 +49,7 @@ def rates_table(rates: pd.DataFrame) -> Table | None:
     head = [Column("scenario"), Column("load"), Column("code"), *(Column(f"{starts[b]} to {b}", True) for b in ends)]
     tail = [Column("plates", True), Column("heave of cribs", True), Column("trend"), Column("at equal cycles")]
     rows = [
-        [short_name(scenario), READING_NAMES[reading], CODE_NAMES.get(code, code)]
+        [unbroken(short_name(scenario)), unbroken(READING_NAMES[reading]), CODE_NAMES.get(code, code)]
         + rate_cells(spans, ends, shared[scenario, reading])
         for (scenario, reading, code), spans in rates.groupby(["scenario", "reading", "code"], sort=False)
     ]

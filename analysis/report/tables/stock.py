@@ -8,9 +8,12 @@ from analysis.report.tables.base import Shown, Table, frame_table
 
 
 def stock_table(rows: pd.DataFrame) -> Table | None:
-    """Runs with each code's own contact models, and how far packed beds scatter in the same quantity."""
+    """Runs with each code's own contact models after their last compared cycle, and how far packed beds scatter in the
+    same quantity.
+    """
+    last = rows.groupby(["scenario", "reading", "code"])["cycle"].transform("max") if len(rows) else rows["cycle"]
     return frame_table(
-        rows,
+        rows[rows["cycle"] == last],
         "Each code's own contact model in place of the paper's law, from the same packed bed",
         [
             "scenario",

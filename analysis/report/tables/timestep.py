@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
 from analysis.formats.file_columns import PLATES, SPHERES
+from analysis.formats.numbers import plural
 from analysis.formats.quantities import QUANTITIES
 from analysis.report.tables.base import Chip, Shown, Table, frame_table, number
 
@@ -38,6 +40,40 @@ def shares_table(table: pd.DataFrame) -> Table | None:
             Shown("paper_step_share", "share", like="step_share"),
             Shown("verified_time_step_s", "the study's", like="time_step_s"),
             Shown("verified_step_share", "share", like="step_share"),
+        ],
+    )
+
+
+def spread_table(table: pd.DataFrame) -> Table | None:
+    """By how much settlement after the last cycle varies over steps, over packed beds and by rounding alone."""
+    last = table[(table["cycle"] == table["cycle"].max()) & (table["state"] == "done")]
+    rows = []
+    for scenario, part in last.groupby("scenario", sort=False):
+        study = part[part["case"] == "verified"]
+        if study.empty:
+            continue
+        of_seeds = part["case"].str.startswith("seed")
+        varied = {
+            "steps": part[~of_seeds & (part["case"] != "rounding")],
+            "beds": part[of_seeds | (part["case"] == "verified")],
+            "rounding": part[part["case"].isin(["verified", "rounding"])],
+        }
+        mean = study["settlement_m"].mean()
+        ratios = {f"{name}_ratio": np.ptp(runs["settlement_m"]) / mean for name, runs in varied.items()}
+        rows.append({"scenario": scenario} | ratios)
+    return frame_table(
+        pd.DataFrame(rows),
+        f"By how much settlement after {plural(int(table['cycle'].max()), 'cycle')} varies, %",
+        [
+            "scenario",
+            *(
+                Shown(f"{name}_ratio", label, text=lambda row, key=f"{name}_ratio": number(getattr(row, key), 2, 100))
+                for name, label in (
+                    ("steps", "over all time steps"),
+                    ("beds", "over packed beds"),
+                    ("rounding", "by rounding alone"),
+                )
+            ),
         ],
     )
 
