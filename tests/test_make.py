@@ -34,10 +34,14 @@ AWKWARD = (
 )
 
 
+ODD_FOLDER = "it's a $HOME #1 näch%te"
+
+
 def make(*arguments, **options):
     """Run make without its set-up; commands of the analysis print their arguments instead."""
     command = ["make", "--no-print-directory", "-o", "setup", "-o", ".venv/installed", f"ANALYSIS={SHOW}", *arguments]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False, **options)
+    options = {"cwd": ROOT, "timeout": 60} | options
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
 @pytest.mark.parametrize("value", AWKWARD)
@@ -212,22 +216,31 @@ def test_the_command_of_the_environment_works_in_any_folder_and_through_a_link(t
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([name, "link"])
 
 
+def test_make_works_in_a_checkout_of_any_name(tmp_path):
+    checkout = tmp_path / ODD_FOLDER
+    checkout.mkdir()
+    for name in ("Makefile", "setup.sh", "pyproject.toml"):
+        shutil.copy(ROOT / name, checkout)
+    done = make("report", "status", cwd=checkout)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    assert done.stdout.splitlines() == ["['report', '--results=results']", "['status', '--results=results']"]
+
+
 def test_the_host_is_built_again_when_the_library_is_another_one(tmp_path):
-    library = tmp_path / "liggghts" / "build" / "library"
-    shutil.copytree(ROOT / "liggghts", tmp_path / "liggghts", ignore=shutil.ignore_patterns("build"))
+    host = tmp_path / ODD_FOLDER / "liggghts"
+    library = host / "build" / "library"
+    shutil.copytree(ROOT / "liggghts", host, ignore=shutil.ignore_patterns("build"))
 
     def due() -> bool:
-        done = subprocess.run(
-            ["make", "-C", tmp_path / "liggghts", "-q", "build/main.o"], check=False, capture_output=True
-        )
+        done = subprocess.run(["make", "-C", host, "-q", "build/main.o"], check=False, capture_output=True)
         return done.returncode != 0
 
     def built() -> None:
-        subprocess.run(["make", "-C", tmp_path / "liggghts", "build/library"], check=True, capture_output=True)
+        subprocess.run(["make", "-C", host, "build/library"], check=True, capture_output=True)
 
     built()
     before = library.read_text()
-    (tmp_path / "liggghts" / "build" / "main.o").touch()
+    (host / "build" / "main.o").touch()
     os.utime(library, (1, 1))
     built()
     assert library.stat().st_mtime == 1, "the same library is no reason to build"
