@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 
 from analysis.arguments import Parser
-from analysis.formats.errors import InputError
+from analysis.formats.errors import InputError, reason
 
 COMMANDS = {  # name: module, purpose
     "run": ("driver.run", "simulate one scenario in one code, or resume it"),
@@ -66,6 +66,13 @@ def _ended(work: Callable[[object], int | None], options: object) -> int:
     except BrokenPipeError:  # `| head` has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE
+    except OSError as error:  # no right, no room, a disk that is gone
+        place = error.filename or "a file"
+        print(f"{place}: {reason(error)}; see to it, then give the same command again", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 128 + signal.SIGINT
 
 
 if __name__ == "__main__":

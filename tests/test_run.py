@@ -1,5 +1,6 @@
 """The driver alone, with an engine that computes nothing worth the time: resume, refuse, stop, fail."""
 
+import errno
 import gzip
 import json
 import os
@@ -32,6 +33,7 @@ from small_bed import set_value
 
 from analysis.driver import checkpoints, provenance
 from analysis.driver.folder import cycles_done
+from analysis.driver.run import unusable
 from analysis.formats import file_columns
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
@@ -665,6 +667,8 @@ def test_a_place_that_cannot_be_written_is_one_line_with_a_remedy(tmp_path):
     done = drive(FAKE, *LINEAR, "--results", tmp_path / "file")
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
     assert "Not a directory; " in done.stderr and "None" not in done.stderr
+    line = unusable(PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/x"))  # root is refused nothing
+    assert line == "/x: Permission denied; give yourself the right to write there, or another RESULTS"
 
 
 @pytest.mark.parametrize("code, commands", [("yade", 3), ("liggghts", 3)])

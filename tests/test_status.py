@@ -71,6 +71,24 @@ def test_a_damaged_file_does_not_hide_the_other_runs(tmp_path, capsys, name, con
     assert "yade" in good and "2/5" in good and "finished" in good
 
 
+@pytest.mark.parametrize(
+    "error, code, said",
+    [
+        (PermissionError(13, "Permission denied", "/x/y.csv"), 1, "/x/y.csv: Permission denied; see to it, "),
+        (OSError(28, "No space left on device"), 1, "a file: No space left on device; see to it, "),
+        (KeyboardInterrupt(), 130, "stopped"),
+    ],
+)
+def test_whatever_the_system_refuses_ends_any_command_in_one_line(monkeypatch, capsys, error, code, said):
+    def execute(_):
+        raise error
+
+    monkeypatch.setattr(status, "execute", execute)
+    assert ballast(["status"]) == code
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(said)
+
+
 def test_without_runs_it_says_how_to_make_some(tmp_path, capsys):
     assert ballast(["status", "--results", str(tmp_path)]) == 0
     assert "make demo" in capsys.readouterr().out
