@@ -13,6 +13,7 @@ import pytest
 from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
+from analysis.__main__ import main as ballast
 from analysis.comparison.claims.verdicts import ClaimError, load_claims
 from analysis.driver import checkpoints, status
 from analysis.driver.bench import tables
@@ -292,6 +293,33 @@ def test_status_of_a_run_with_any_file_damaged(run):
     for name in ("run.json", "scenario.json", "cycles.csv"):
         kinds = OF_TABLES if name.endswith("csv") else OF_TEXTS
         fuzz(run / name, kinds, lambda path: status.table([status.row(path.parent)]), seed="status", mutations=100)
+
+
+COMMANDS = (
+    ("status",),
+    *((name, "linear-mu0.8", "--code", "liggghts") for name in ("prepare", "unload", "delete", "keep")),
+)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_commands_on_a_damaged_run(run, tmp_path, monkeypatch, capsys, command):
+    """They do what they are for or refuse it in one line, and leave every file of the run as it is."""
+    results, mutations = run.parents[2], MUTATIONS // len(COMMANDS)
+    files = sorted(path for path in run.rglob("*") if path.is_file() and path.suffix in (".csv", ".json"))
+    monkeypatch.setattr("builtins.input", lambda *_: "no")
+    kept = ["--out", str(tmp_path / "kept")] if command[0] == "keep" else []
+    for case in range(mutations):
+        generator = random.Random(f"{command[0]} {SEED} {case}")
+        path = generator.choice(files)
+        good = path.read_bytes()
+        path.write_bytes(damaged(good, generator, OF_TABLES if path.suffix == ".csv" else OF_TEXTS))
+        before = {file: file.read_bytes() for file in files}
+        code = ballast([*command, "--results", str(results), *kept])
+        said = capsys.readouterr()
+        lines = said.err.splitlines() if command[0] != "delete" else said.out.splitlines()[-1:]
+        assert code == 0 or len(lines) == 1, (case, path.name, said.err)
+        assert {file: file.read_bytes() for file in files} == before, (case, path.name)
+        path.write_bytes(good)
 
 
 # ------------------------------------------------------------------ what people write
