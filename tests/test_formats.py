@@ -71,6 +71,7 @@ def test_liggghts_writes_the_columns_declared():
         "HISTORY",
         "LOOPS",
         "MICROSTRUCTURE",
+        "PLATE_STRESSES",
         "BOND_COUNTS",
         "BONDS_BROKEN",
         "UNLOAD",

@@ -104,6 +104,7 @@ def test_contacts(run):
 TABLES_OF_KEPT_RUNS = {
     "harmonics.csv": (file_columns.HARMONICS, True),
     "loops.csv": (file_columns.LOOPS, False),
+    "plates.csv": (file_columns.PLATE_STRESSES, True),
     "unload.csv": (file_columns.UNLOAD, False),
 }
 

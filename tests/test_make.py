@@ -410,7 +410,9 @@ def test_keep_says_what_it_kept_and_leaves_nothing_of_an_older_keep(run):
     assert done.returncode == 0 and "finished, 1 of 1 cycles" in done.stdout
     there = [name for name in keep.FILES if (folder / name).exists()]
     assert {"run.json", "cycles.csv"} < set(there)
-    assert sorted(path.name for path in target.iterdir()) == sorted([*there, "harmonics.csv", "loops.csv"])
+    assert sorted(path.name for path in target.iterdir()) == sorted(
+        [*there, "harmonics.csv", "loops.csv", "plates.csv"]
+    )
     assert all((target / name).read_bytes() == (folder / name).read_bytes() for name in there)
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 

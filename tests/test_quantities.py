@@ -95,6 +95,19 @@ def test_a_run_without_history_has_the_work_of_its_harmonics(results, tmp_path):
     )
 
 
+def test_the_stress_on_the_plates_is_kept_with_a_run(results, tmp_path):
+    (whole,) = load_runs(results, scenario="nonlinear-en1.0", quiet=True)
+    keep(whole.folder, tmp_path / "full" / "nonlinear-en1.0" / "liggghts")
+    (kept,) = load_runs(tmp_path)
+    pd.testing.assert_frame_equal(kept.plate_stresses, whole.plate_stresses, check_dtype=False, rtol=1e-8)
+    plates = [f"plate_{k}_stress_Pa" for k in range(1, 6)]
+    rows = whole.history[whole.history["cycle"].between(1, 2, inclusive="right")][plates]
+    second = whole.plate_stresses.set_index("cycle").loc[2]
+    assert second["plate_4_stress_mean_Pa"] == pytest.approx(rows["plate_4_stress_Pa"].mean())
+    assert second["plate_stress_min_Pa"] == rows.to_numpy().min()
+    assert second["plate_stress_max_Pa"] == rows.to_numpy().max()
+
+
 def test_increments_add_up_and_gaps_are_not_bridged(run, results):
     table = quantities.per_cycle(run)
     assert table["settlement_increment_m"].sum() == pytest.approx(run.cycles["settlement_m"].iloc[-1])

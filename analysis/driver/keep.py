@@ -68,12 +68,13 @@ def keep(folder: Path, target: Path, failed: bool = False) -> str:
 
 
 def keep_of_history(folder: Path, target: Path) -> None:
-    """Write the first harmonics and two cycles of history.csv, which is too large to be kept itself; nothing without
-    it.
+    """Write the first harmonics, the stress on the plates and two cycles of history.csv, which is too large to be kept
+    itself; nothing without it.
     """
     if (folder / "history.csv").exists():
         run = Run(folder, quiet=True)
-        for name, table in (("harmonics.csv", run.harmonics), ("loops.csv", run.loops)):
+        derived = {"harmonics.csv": run.harmonics, "loops.csv": run.loops, "plates.csv": run.plate_stresses}
+        for name, table in derived.items():
             write_csv(target / name, [list(table.columns), *(map(short, row) for row in table.to_numpy())])
 
 

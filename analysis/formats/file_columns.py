@@ -16,6 +16,7 @@ __all__ = [
     "HISTORY",
     "MICROSTRUCTURE",
     "PLATES",
+    "PLATE_STRESSES",
     "RAW_LOADING",
     "RAW_STATE",
     "SPHERES",
@@ -90,6 +91,9 @@ HARMONICS = (
     "settlement_lag_rad",
 )
 """harmonics.csv, of kept runs: a row per cycle, the first harmonics of history.csv, which is too large to be kept."""
+
+PLATE_STRESSES = ("cycle", *row_of("plate_{}_stress_mean_Pa"), "plate_stress_min_Pa", "plate_stress_max_Pa")
+"""plates.csv, of kept runs: a row per cycle, what the rows of history.csv say of the stress on the plates."""
 
 LOOPS = ("time_s", "cycle", "sleeper_target_Pa", "sleeper_stress_Pa", "settlement_m")
 """loops.csv, of kept runs: the rows of history.csv of the first and the last whole cycle."""

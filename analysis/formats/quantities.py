@@ -375,6 +375,8 @@ _ROWS = (
     Quantity(
         "plate_{}_stress_mean_Pa", "Pa", "mean stress on plate {}", -1e9, 1e9, "over the steps since the row before"
     ),
+    Quantity("plate_stress_min_Pa", "Pa", "least stress on a plate", -1e9, 1e9, "of all plates, within the cycle"),
+    Quantity("plate_stress_max_Pa", "Pa", "greatest stress on a plate", -1e9, 1e9, "of all plates, within the cycle"),
     Quantity("plate_{}_displacement_m", "m", "displacement of plate {}", -10, 10, "outward since the start of preload"),
     Quantity("contacts", "-", "contacts", 0, 1e9, "real contacts of spheres with each other and with walls"),
     # ------------------------------------------------------------------ bed and contact files

@@ -18,7 +18,7 @@ import pandas as pd
 from analysis.formats import file_columns, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
-from analysis.normalised import beds, bonds, harmonics, microstructure, stages
+from analysis.normalised import beds, bonds, harmonics, microstructure, plates, stages
 from analysis.normalised.frames import empty_table, read_table
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, join_id, load_scenario, split_id, split_variants
@@ -170,6 +170,15 @@ class Run:
         if (self.folder / "harmonics.csv").exists():
             return self._table("harmonics.csv", file_columns.HARMONICS, whole=True)
         return harmonics.of_history(self.history)
+
+    @cached_property
+    def plate_stresses(self) -> pd.DataFrame:
+        """One row per cycle, see `file_columns.PLATE_STRESSES`: of history.csv, of plates.csv in kept runs; no rows for
+        a kept run without it.
+        """
+        if (self.folder / "plates.csv").exists():
+            return self._table("plates.csv", file_columns.PLATE_STRESSES, whole=True)
+        return plates.of_history(self.history)
 
     @cached_property
     def loops(self) -> pd.DataFrame:

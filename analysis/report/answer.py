@@ -220,7 +220,8 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
         return rows.groupby(["scenario", "reading"], sort=False).agg(low=("low", "min"), high=("high", "max"))
 
     overlaps = ranges("overlap_max_ratio").groupby("scenario", sort=False).agg(low=("low", "min"), high=("high", "max"))
-    clumps = only(found.coverage, profile=profile)["clumps"]
+    clumps = only(found.coverage, profile=profile)
+    clumps = clumps.loc[clumps["scenario"].isin(key_scenarios), "clumps"]
     return {
         "code": "liggghts",
         "outcomes": list(outcomes(found, key_scenarios, profile).values()),
@@ -234,12 +235,11 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
     }
 
 
-def hours(computing_time: pd.DataFrame, scenarios: tuple[str, ...], profile: str) -> list[dict]:
-    """Hours of one core for 1000 cycles under the true load, of the fastest run: scenario, and one by each code."""
-    rows = only(computing_time, profile=profile, variant="")
+def hours(computing_time: pd.DataFrame, scenarios: tuple[str, ...], profile: str) -> list[tuple[str, float]]:
+    """Hours of one core for 1000 cycles under the true load in LIGGGHTS, of each scenario's fastest run."""
+    rows = only(computing_time, profile=profile, variant="", code="liggghts")
     rows = rows[rows["scenario"].isin(scenarios)]
-    table = rows.pivot_table("hours_per_1000_cycles", "scenario", "code", "min", sort=False)
-    return table.reset_index().to_dict("records")
+    return list(rows.groupby("scenario", sort=False)["hours_per_1000_cycles"].min().items())
 
 
 def step_shares(timestep: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:

@@ -18,8 +18,13 @@ LARGEST = 2.0
 TITLE_START = -0.66
 """Of the axes' width: where their title starts, above the names of the bars."""
 
-ROOM = 0.3
+ROOM = 0.36
 """Beside the longest bar, of all bars' width: for its number."""
+
+
+def signed(value: float, form: str) -> str:
+    """A number with a minus sign instead of a hyphen."""
+    return f"{value:{form}}".replace("-", "\N{MINUS SIGN}")
 
 
 def limits(changes: pd.Series, scatter: float) -> tuple[float, float]:
@@ -55,7 +60,7 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
             c.axes.barh(n, 100 * change, color=hue, height=0.62)
             side = "left" if change >= 0 else "right"
             c.axes.annotate(
-                f"{100 * row.change_ratio:+.0f} %",
+                signed(100 * row.change_ratio, "+.0f") + " %",
                 (100 * change, n),
                 (3 if change >= 0 else -3, 0),
                 textcoords="offset points",
@@ -69,7 +74,7 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
         c.axes.xaxis.set_major_locator(MaxNLocator(4))
         c.axes.set_xlabel(f"change of {what}, %", x=0.0, ha="left")
         c.axes.set_title(
-            f"{short_name(scenario)}, {READING_NAMES[reading]}\nunchanged: {1e3 * base:.3g} mm after "
+            f"{short_name(scenario)}, {READING_NAMES[reading]}\nunchanged: {signed(1e3 * base, '.3g')} mm after "
             f"{part['cycle'].max()} cycles",
             x=TITLE_START,
             ha="left",

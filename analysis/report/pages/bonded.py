@@ -21,6 +21,8 @@ OF_CHEN = (
     "touch at the end of packing (assumed). It is not their published curve, which is pending."
 )
 
+AS_ABOVE = "Chen et al.'s model as in the figure before."
+
 
 def bonded_group(data: ReportData, profile: str) -> dict:
     """Settlement and lateral displacement of the three models in each reading; bonds made, broken, and where."""
@@ -32,9 +34,13 @@ def bonded_group(data: ReportData, profile: str) -> dict:
             continue
         mine = Runs(run for run in mine if run.base_name in (*KEY_SCENARIOS, *CHEN_SCENARIOS))
         name, where = slug(reading), READING_NAMES[reading]
+        stiff = Runs(run for run in mine if run.base_name != KEY_SCENARIOS[-1])  # the nonlinear model hides both
         figures += [
-            settlement_figure(g, mine, f"bonded-settlement-{name}", f"Three models, {where}: settlement", OF_CHEN),
-            lateral_figure(g, mine, f"bonded-lateral-{name}", f"Three models, {where}: lateral displacement", OF_CHEN),
+            settlement_figure(
+                g, stiff, f"bonded-linear-{name}", f"Bonded and linear model, {where}: settlement", OF_CHEN
+            ),
+            settlement_figure(g, mine, f"bonded-settlement-{name}", f"Three models, {where}: settlement", AS_ABOVE),
+            lateral_figure(g, mine, f"bonded-lateral-{name}", f"Three models, {where}: lateral displacement", AS_ABOVE),
         ]
     bonded = bonded_runs(data, profile)
     figures += [

@@ -9,7 +9,7 @@ import numpy as np
 from analysis.comparison.findings.members import TRUE_LOAD, member
 from analysis.comparison.quantities import last_cycle
 from analysis.driver.status import load_not_reached
-from analysis.formats import file_columns
+from analysis.formats.quantities import row_of
 from analysis.normalised.readers import Run
 from analysis.report.figures.load import tracking_figure
 from analysis.report.report_data import ReportData, key_runs, state_of, timing, tracking_percent
@@ -59,7 +59,7 @@ def said_of(run: Run, reason: str) -> dict:
     """What templates/run.txt needs."""
     times, choice = timing(run), run.scenario.parameters.get("time.choice") if run.scenario is not None else None
     speeds = times.get("steps_per_second")
-    plates = run.history[[f"plate_{k}_stress_Pa" for k in file_columns.PLATES]].mean() if len(run.history) else []
+    plates = run.plate_stresses[list(row_of("plate_{}_stress_mean_Pa"))].mean()
     return {
         "run": run,
         "info": run.info,
@@ -70,6 +70,6 @@ def said_of(run: Run, reason: str) -> dict:
         "cycles": last_cycle(run),
         "speeds": speeds if isinstance(speeds, dict) else {},
         "tracking_percent": tracking_percent(run) if len(run.cycles) else None,
-        "plates": [] if not len(plates) or not np.isfinite(plates).any() else list(plates),
+        "plates": list(plates) if np.isfinite(plates).any() else [],
         "versions": run.info.get("versions", {}),
     }

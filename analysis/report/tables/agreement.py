@@ -41,7 +41,7 @@ def agreement_table(rows: pd.DataFrame, quantities: Sequence[str] = SHOWN, all_c
         [
             "scenario",
             "reading",
-            Shown("quantity", wide=True),
+            "quantity",
             "cycle",
             Shown("liggghts_mean", in_unit="quantity"),
             Shown("yade_mean", in_unit="quantity"),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pandas as pd
 
-from analysis.report.tables.base import Shown, Table, frame_table, run_of
+from analysis.report.tables.base import Shown, Table, frame_table, number, run_of
 from analysis.scenarios.scenario import Scenario
 
 
 def bonds_table(rows: pd.DataFrame, setup: Scenario) -> Table | None:
     """Bonds made and broken by cycle; which reading of the units breaks any. `setup` has the bonds' parameters."""
     stiffness, strength = (
-        " and ".join(f"{setup[f'contact.bond.{way}_{what}']:g}" for way in ("normal", "shear"))
+        " and ".join(number(setup[f"contact.bond.{way}_{what}"]) for way in ("normal", "shear"))
         for what in ("stiffness", "strength")
     )
     return frame_table(

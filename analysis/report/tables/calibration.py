@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 
 from analysis.comparison import quantities
 from analysis.formats import file_columns
 from analysis.formats.numbers import plural
+from analysis.formats.quantities import row_of
 from analysis.normalised.readers import Run
 from analysis.report.labels import KPA, MM, short_name
 from analysis.report.paper import paper
@@ -82,13 +82,13 @@ def plate_cells(run: Run, cycle: int) -> list[str]:
     """One run under a law of the plates."""
     row = run.cycles.set_index("cycle").loc[cycle]
     moved = row[[f"lateral_{k}_m" for k in file_columns.PLATES]]
-    history = run.history[(run.history["cycle"] > 0) & (run.history["cycle"] <= cycle)]
-    stress = history[[f"plate_{k}_stress_Pa" for k in file_columns.PLATES]].to_numpy(dtype=float)
+    stresses = run.plate_stresses[run.plate_stresses["cycle"] <= cycle]
     means = extremes = "–"
-    if np.isfinite(stress).any():
-        each = stress.mean(axis=0)
+    if len(stresses):
+        each = stresses[list(row_of("plate_{}_stress_mean_Pa"))].mean()
         means = f"{number(each.min(), 3, KPA)} to {number(each.max(), 3, KPA)}"
-        extremes = f"{number(stress.min(), 2, KPA)}, {number(stress.max(), 2, KPA)}"
+        least, most = stresses["plate_stress_min_Pa"].min(), stresses["plate_stress_max_Pa"].max()
+        extremes = f"{number(least, 2, KPA)}, {number(most, 2, KPA)}"
     plates = f"{number(moved.min(), 2, MM)} to {number(moved.max(), 2, MM)}"
     return [name_of(run), number(row["settlement_m"], 3, MM), plates, means, extremes, last_rate(run, cycle)]
 
