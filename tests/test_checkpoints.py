@@ -1,6 +1,8 @@
 """Checkpoints and raw files after a kill: what counts, what is kept, what is cut."""
 
+import os
 import random
+import socket
 
 import pytest
 from driver import damage
@@ -146,10 +148,12 @@ def test_rows_by_step_are_taken_once_and_kept(tmp_path):
 def test_a_lock_is_held_by_one(tmp_path):
     path = tmp_path / "run.lock"
     assert not locks.is_held(path)
+    path.write_text('{"pid": 1, "host": "of a run that was killed"}\n')
     with locks.hold(path):
         assert locks.is_held(path)
-        with pytest.raises(locks.Busy), locks.hold(path):
+        with pytest.raises(locks.Busy) as refused, locks.hold(path):
             pass
+        assert refused.value.holder == {"pid": os.getpid(), "host": socket.gethostname()}
         with pytest.raises(locks.Busy), locks.hold(path, wait=lambda: False):
             pass
     assert not locks.is_held(path)
