@@ -24,7 +24,7 @@ from analysis.scenarios.scenario import load_scenario
 def test_every_number_of_sites_is_tried_once():
     scenario = load_scenario("linear-mu0.8", "full")
     gaps = calibrate.distinct_gaps(scenario, 0.0133, 0.0150)
-    sites = [lattice.site_count(scenario.replace("packing.lattice_gap", gap)) for gap in gaps]
+    sites = [lattice.site_count(scenario.with_values({"packing.lattice_gap": gap})) for gap in gaps]
     assert len(set(sites)) == len(sites) > 2
     assert lattice.site_count(scenario) == min(sites, key=lambda count: abs(count - reported().clumps))
 

@@ -13,9 +13,8 @@ from synthetic import write_run
 
 from analysis import load_runs
 from analysis.comparison.claims import checks, verdicts
-from analysis.comparison.claims.checks import CHECKS
 from analysis.comparison.claims.claimed_quantities import exponential_share, profile_error, seconds_per_cycle, slope
-from analysis.comparison.claims.evidence import ANOTHER_SEED, FAILS, HOLDS, OPEN, PAPER, WITHIN, Evidence
+from analysis.comparison.claims.evidence import ANOTHER_SEED, CHEN, FAILS, HOLDS, OPEN, PAPER, WITHIN, Evidence
 from analysis.comparison.claims.uncertainty import Estimate, coverage, estimates, pooled, propagate
 from analysis.comparison.claims.verdicts import (
     BOTH,
@@ -162,7 +161,7 @@ def test_there_are_the_papers_eleven_claims_in_order():
     found, _ = load_claims()
     assert [c.number for c in found] == list(range(1, len(found) + 1))
     assert [c.number for c in found if c.about == PAPER] == list(range(1, 12))
-    assert all("chen2015" in c.runs for c in found if c.about != PAPER)
+    assert all("chen2015" in c.runs for c in found if c.about == CHEN)
     assert len({c.id for c in found}) == len(found)
 
 
@@ -197,7 +196,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
     for claim in known:
         watched = Watched(claim.thresholds)
         evidence = Evidence(everything, experiment(), rules, claim, "liggghts", TRUE_LOAD)
-        found = list(CHECKS[claim.id](evidence, watched))
+        found = list(checks.judge_of(claim)(evidence, watched))
         assert watched.asked == set(claim.thresholds), claim.id
         assert all(math.isfinite(c.margin) and math.isfinite(c.half_width) for c in found), claim.id
         used, wanted = evidence._used, [r for r in everything if r.scenario_name in claim.runs]
@@ -226,6 +225,54 @@ def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
         load_claims(path)
     assert str(caught.value).startswith("claims.toml: ") and words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+COMPARES = """
+[[claim]]
+number      = 14
+id          = "nonlinear_settles_more"
+about       = "own"
+sentence    = "The nonlinear model settles more."
+where       = "nowhere"
+compared    = "the two models"
+runs        = ["nonlinear-en1.0", "linear-mu0.8"]
+quantity    = "Settlement after the last cycle that both have reached, at least {cycles:g}."
+criterion   = "That of nonlinear-en1.0 is above {ratio:g} times that of linear-mu0.8."
+compares    = { quantity = "settlement_m", more = "nonlinear-en1.0", less = "linear-mu0.8" }
+thresholds  = { cycles = 100, ratio = 2 }
+uncertainty = "seeds"
+reference   = []
+"""
+
+
+def test_a_claim_that_compares_a_quantity_is_its_text_alone(tmp_path):
+    """No function: twice as much is asked for, and decided either way; the quantity may be any of the glossary."""
+    path = tmp_path / "claims.toml"
+    path.write_text(CLAIMS_FILE.read_text() + COMPARES)
+    linear = seeds("linear-mu0.8", 3, cycles=100, law=(1e-3, 0, 1, 0))
+    for settled, verdict in ((2.5e-3, HOLDS), (1.5e-3, FAILS)):
+        runs = [*linear, *seeds("nonlinear-en1.0", 3, cycles=100, law=(settled, 0, 1, 0))]
+        found = [v for v in evaluate_claims(runs, NOTHING, path) if v.claim.number == 14]
+        assert {v.verdict for v in found if (v.code, v.reading) == ("liggghts", TRUE_LOAD)} == {verdict}
+        assert {v.verdict for v in found if (v.code, v.reading) != ("liggghts", TRUE_LOAD)} == {OPEN}
+
+
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ('quantity = "settlement_m"', 'quantity = "settlement_mm"', "give a quantity of docs/glossary.md"),
+        ('more = "nonlinear-en1.0"', 'more = "nonlinear-en0.9"', "give one of nonlinear-en1.0, linear-mu0.8"),
+        (', less = "linear-mu0.8" }', " }", "give quantity, more, less"),
+        ("cycles = 100, ratio = 2", "cycles = 100", "names 'ratio'"),
+    ],
+)
+def test_a_comparison_that_cannot_be_made_is_refused_in_one_line(tmp_path, old, new, words):
+    path = tmp_path / "claims.toml"
+    assert old in COMPARES
+    path.write_text(CLAIMS_FILE.read_text() + COMPARES.replace(old, new))
+    with pytest.raises(ClaimError) as caught:
+        load_claims(path)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
 
 
 # ------------------------------------------------------------------ what keeps a claim open

@@ -13,26 +13,24 @@ from analysis.files import ROOT
 from analysis.scenarios import conversions, derived
 from analysis.scenarios.conversions import CONVERSIONS, PP, PW
 from analysis.scenarios.scenario import load_scenario
-from analysis.verification.probes import ClumpAt, Probe, run_probes, with_values
+from analysis.verification.probes import ClumpAt, Probe, run_probes
 
 # every conversion is met by at least one of these; walls and particles differ in each value
 SCENARIOS = {
-    "linear": with_values(
-        load_scenario("linear-mu0.7"),
-        "linear",
-        contact__particle_particle__shear_stiffness=7e7,
-        contact__particle_wall__friction=0.65,
+    "linear": load_scenario("linear-mu0.7").with_values(
+        {"contact.particle_particle.shear_stiffness": 7e7, "contact.particle_wall.friction": 0.65}, "linear"
     ),
-    "dashpots": with_values(
-        load_scenario("linear-mu0.7"),
+    "dashpots": load_scenario("linear-mu0.7").with_values(
+        {
+            "contact.particle_particle.damping_ratio": 0.2,
+            "contact.particle_wall.damping_ratio": 0.1,
+            "contact.particle_wall.shear_stiffness": 3e8,
+        },
         "dashpots",
-        contact__particle_particle__damping_ratio=0.2,
-        contact__particle_wall__damping_ratio=0.1,
-        contact__particle_wall__shear_stiffness=3e8,
     ),
     "hysteretic": load_scenario("nonlinear-md1-en0.6"),
-    "gonthier": with_values(
-        load_scenario("nonlinear-md0-en0.3"), "gonthier", contact__particle_particle__poisson_ratio=0.2
+    "gonthier": load_scenario("nonlinear-md0-en0.3").with_values(
+        {"contact.particle_particle.poisson_ratio": 0.2}, "gonthier"
     ),
 }
 CLUMP = derived.clump(load_scenario("linear-mu0.8"))

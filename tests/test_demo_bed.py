@@ -23,7 +23,7 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 
 LINEAR, NONLINEAR = "linear-mu0.8", "nonlinear-en1.0"
 FULL, DEMO = (load_scenario(LINEAR, profile) for profile in ("full", "demo"))
-SHORT = DEMO.replace("geometry.cut_x", 0.62)
+SHORT = DEMO.with_values({"geometry.cut_x": 0.62})
 """A piece that holds no measurement sphere."""
 
 

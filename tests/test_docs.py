@@ -143,7 +143,10 @@ def test_equations_are_read_from_the_docstrings_of_the_laws():
 def test_the_sketch_shows_the_numbers_of_its_scenario():
     usual, stronger = (
         ET.fromstring(sketch.svg(s))
-        for s in (load_scenario("linear-mu0.8"), load_scenario("linear-mu0.8").replace("loading.stress_max", 230e3))
+        for s in (
+            load_scenario("linear-mu0.8"),
+            load_scenario("linear-mu0.8").with_values({"loading.stress_max": 230e3}),
+        )
     )
     words = [
         "\n".join(e.text or "" for e in root.iter("{http://www.w3.org/2000/svg}text")) for root in (usual, stronger)

@@ -154,7 +154,7 @@ def servo_run(results, contacts, gain=0.8, variant="servo", cycles=6, scenario="
     folder = write_run(results, "full", scenario, "liggghts", cycles)
     s = load_scenario(scenario, "full", cycles=cycles)
     for key, value in (("load_control.sleeper_law", "pfc"), ("load_control.pfc_gain", gain)):
-        s = s.replace(key, value)
+        s = s.with_values({key: value})
     (folder / "scenario.json").write_text(s.to_json())
     middle, swing, area = 255e3, 205e3, derived.apparatus(s).sleeper_area_m2
     bed = cmath.rect(area * 2 * swing / STROKE_M, LOSS_RAD)

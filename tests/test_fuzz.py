@@ -514,6 +514,6 @@ def test_a_number_that_no_bed_has_is_refused(tmp_path, key, value):
 def test_what_a_run_would_cost_is_checked_before_it_starts(changes, said):
     scenario = load_scenario("linear-mu0.8", "full")
     for key, value in changes.items():
-        scenario = scenario.replace("time.step" if key == "time.verified_step" else key, value)
+        scenario = scenario.with_values({"time.step" if key == "time.verified_step" else key: value})
     assert any(said in allowed for _, allowed in cost.too_much(scenario))
     assert list(cost.too_much(load_scenario("linear-mu0.8", "full"))) == []

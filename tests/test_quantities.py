@@ -157,10 +157,10 @@ def test_known_bulge(run):
 )
 @pytest.mark.parametrize("cycles", [20, 36, 100])
 def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fails(curve, trend, cycles):
-    class Bed:
+    class SyntheticRun:
         pass
 
-    bed, n = Bed(), np.arange(1, cycles + 1)
+    bed, n = SyntheticRun(), np.arange(1, cycles + 1)
     bed.cycles = pd.DataFrame(
         {"cycle": n, "settlement_m": curve(n), **{f"lateral_{k}_m": 2e-5 * n for k in range(1, 6)}}
     )

@@ -58,7 +58,7 @@ CURVES = "series,time_s,force_N,force_N_expected\n" + "".join(
 )
 
 
-class Page(HTMLParser):
+class PageText(HTMLParser):
     """Links, ids and what a page loads; unbalanced tags are errors."""
 
     def __init__(self, text):
@@ -101,7 +101,7 @@ def build(results, out):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         report.build(results, out, kept_runs=results / "none")
-    return {file: Page((out / file).read_text(encoding="utf-8")) for file in PAGES if (out / file).exists()}
+    return {file: PageText((out / file).read_text(encoding="utf-8")) for file in PAGES if (out / file).exists()}
 
 
 @pytest.fixture(scope="module")
@@ -583,7 +583,7 @@ def test_beds_tried_in_calibration_are_shown_with_the_chosen_one_marked(tmp_path
     for name in ("linear-mu0.8", "nonlinear-en1.0"):
         for aspect in (chosen["clump.aspect"], 2.0):
             folder = write_run(tmp_path / f"beds{aspect}", "full", name, "liggghts", cycles=3)
-            rows.append(calibrate.row(chosen.replace("clump.aspect", aspect), Run(folder)))
+            rows.append(calibrate.row(chosen.with_values({"clump.aspect": aspect}), Run(folder)))
     results, out = tmp_path / "results", tmp_path / "report"
     write_csv(results / "none" / "calibration.csv", [list(rows[0]), *(list(r.values()) for r in rows)])
     pages = build(results, out)

@@ -594,7 +594,7 @@ def test_plates_fill_the_face_up_to_the_fixed_wall_with_their_gaps():
 
 def test_a_narrower_box_narrows_sleeper_plates_and_control_in_one_ratio():
     full, scale = load_scenario("linear-mu0.8"), 0.5
-    narrow = full.replace("geometry.width_scale", scale)
+    narrow = full.with_values({"geometry.width_scale": scale})
     a, b = derived.apparatus(full), derived.apparatus(narrow)
     assert b.width_m == pytest.approx(scale * a.width_m) and (b.length_m, b.height_m) == (a.length_m, a.height_m)
     for small, large in (
@@ -654,4 +654,4 @@ def test_bonds_that_are_off_leave_a_scenario_the_same():
     assert len(without) < len(plain.parameters)
     older = Scenario(plain.name, plain.profile, plain.title, without)
     assert older.hash == plain.hash
-    assert plain.replace("contact.bond.model", "parallel").hash != plain.hash
+    assert plain.with_values({"contact.bond.model": "parallel"}).hash != plain.hash

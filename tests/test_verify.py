@@ -305,7 +305,7 @@ def test_head_on_measures_of_a_known_motion():
 
 def test_path_reaches_every_branch():
     """The imposed path closes within a step, slips both ways, leaves the contact, and closes again."""
-    case = paths.Paths("liggghts")
+    case = paths.PrescribedPaths("liggghts")
     for probe in case.probes():
         overlap, closing, sliding, _, _ = case.geometry(probe)
         inside = overlap > 0

@@ -11,19 +11,19 @@ O = Omega()
 
 
 @dataclass(frozen=True)
-class Apparatus:
+class WallIds:
     """Ids of YADE's bodies. Walls are always made first and in this order, so that the ids are known after a reload."""
 
     sleeper: int
     plates: tuple[int, ...]
 
     @classmethod
-    def of(cls, box) -> Apparatus:
+    def of(cls, box) -> WallIds:
         """Ids in a simulation with the apparatus `box` (analysis.scenarios.derived.Apparatus)."""
         return cls(4, tuple(range(5, 5 + len(box.plates))))
 
 
-def build(box, law) -> Apparatus:
+def build(box, law) -> WallIds:
     """Make the walls of `box`: end and side planes and the floor, then sleeper, plates and fixed wall as boxes; their
     materials and collision mask are those of the contact law `law`.
     """
@@ -44,7 +44,7 @@ def build(box, law) -> Apparatus:
     for body in O.bodies:
         body.state.mass = 0.0  # the dashpot of a wall contact knows the clump's mass only
         body.state.isDamped = False
-    return Apparatus.of(box)
+    return WallIds.of(box)
 
 
 def close_lid(box, material: str, mask: int) -> int:

@@ -66,11 +66,19 @@ class ContactLaw:
         """While `packing` there are no bonds, and the contacts are the paper's."""
         self.scenario, self.model = scenario, model
         self.stock = scenario["contact.origin"] == "engine" and not packing
-        density = scenario["clump.density"]
-        damping = scenario["contact.particle_particle.damping_ratio"]
-        wall_damping = scenario["contact.particle_wall.damping_ratio"]
+        self._make_particles(scenario["clump.density"])
+        self._make_walls(scenario["clump.density"])
+        self.bonded = not packing and derived.bond(scenario) is not None
+        if self.bonded:
+            O.materials.append(bond.material(scenario["clump.density"]))
+            self.shells += ((bond.MATERIAL, bond.MEETS_NOTHING),)
+        self.set_stiffness(1.0)
+        self.set_friction(scenario["contact.particle_particle.friction"], scenario["contact.particle_wall.friction"])
 
-        if model == "hysteretic":
+    def _make_particles(self, density: float) -> None:
+        """The material of particles, and the functor of contacts between them."""
+        scenario, damping = self.scenario, self.scenario["contact.particle_particle.damping_ratio"]
+        if self.model == "hysteretic":
             shear = scenario["contact.particle_particle.shear_modulus"]
             poisson = scenario["contact.particle_particle.poisson_ratio"]
             particle = FrictMat(young=2 * shear * (1 + poisson), poisson=poisson)
@@ -93,6 +101,10 @@ class ContactLaw:
             self._between = Ip2_FrictMat_FrictMat_FrictPhys()
         particle.density, particle.label = density, "particle"
         self.particle = O.materials.append(particle)
+
+    def _make_walls(self, density: float) -> None:
+        """The materials of walls, the shells of a clump, and the functor of contacts at walls."""
+        scenario, wall_damping = self.scenario, self.scenario["contact.particle_wall.damping_ratio"]
         self.wall = self.side = O.materials.append(FrictMat(density=density, label="wall"))
         self.side_material = "wall"
         if scenario["contact.side_friction_share"] != 1:
@@ -101,7 +113,7 @@ class ContactLaw:
         self._end_share = derived.apparatus(scenario).end_friction_share
         if self._end_share != 1:
             self.end, self.end_material = O.materials.append(FrictMat(density=density, label="end")), "end"
-        if wall_damping > 0 or model == "hysteretic":
+        if wall_damping > 0 or self.model == "hysteretic":
             self.touching = O.materials.append(FrictViscoMat(density=density, betan=wall_damping, label="wall_side"))
             self.shells = (("particle", MEETS_PARTICLES), ("wall_side", MEETS_WALLS))
             self.wall_mask = MEETS_WALLS | IS_WALL
@@ -111,12 +123,6 @@ class ContactLaw:
             self.shells, self.wall_mask = (("particle", MEETS_PARTICLES),), MEETS_PARTICLES
             plain = isinstance(self._between, Ip2_FrictMat_FrictMat_FrictPhys)
             self._at_walls = self._between if plain else Ip2_FrictMat_FrictMat_FrictPhys()
-        self.bonded = not packing and derived.bond(scenario) is not None
-        if self.bonded:
-            O.materials.append(bond.material(density))
-            self.shells += ((bond.MATERIAL, bond.MEETS_NOTHING),)
-        self.set_stiffness(1.0)
-        self.set_friction(scenario["contact.particle_particle.friction"], scenario["contact.particle_wall.friction"])
 
     @property
     def _functors(self) -> list:

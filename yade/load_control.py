@@ -19,7 +19,7 @@ from analysis.files import write_aside
 from analysis.formats.file_columns import RAW_LOADING, header
 from analysis.formats.growing_csv import append_text
 from analysis.scenarios import derived
-from apparatus import Apparatus
+from apparatus import WallIds
 
 O = Omega()
 
@@ -59,7 +59,7 @@ class LoadControl:
 
     def __init__(self, scenario, stage: str, clock, box, path, memory: dict | None = None):
         """`stage` is preload or cyclic; `memory` is what `memory()` returned before the simulation was saved."""
-        ids, grid = Apparatus.of(box), derived.time_grid(scenario)
+        ids, grid = WallIds.of(box), derived.time_grid(scenario)
         self.scenario, self.clock, self.path = scenario, clock, path
         self.dt, self.per_row = grid.step_s, grid.steps_per_row
         self.gain_step = derived.pfc_time_step(scenario)
@@ -99,8 +99,8 @@ class LoadControl:
         self.ramp_start_s = O.time
         sleeper, plate = s["preload.sleeper_stress"], s["preload.plate_stress"]
 
-        def targets(n: int) -> tuple[float, float]:
-            share = min(1.0, (n - first) / steps)
+        def targets(step: int) -> tuple[float, float]:
+            share = min(1.0, (step - first) / steps)
             return share * sleeper, share * plate
 
         self.targets = targets

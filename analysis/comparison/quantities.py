@@ -6,7 +6,7 @@ Functions take a `readers.Run` (or anything with its attributes). SI units; nan 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -65,41 +65,80 @@ def last_cycle(run) -> int:
 # ---------------------------------------------------------------------- cycle by cycle
 
 
+class ValuesOfRun(Mapping):
+    """What a formula may name: the columns of a run's cycles.csv, quantities that follow from them, and parameters."""
+
+    def __init__(self, run):
+        self.run, self.follow = run, {}
+
+    def __getitem__(self, name: str):
+        """A column (cycles,) or the value of a parameter, nan without a scenario."""
+        if name in self.follow:
+            return self.follow[name]
+        if name in self.run.cycles:
+            return self.run.cycles[name]
+        return self.run.scenario[name] if self.run.scenario is not None else math.nan
+
+    def __iter__(self):
+        return iter((*self.run.cycles, *self.follow))
+
+    def __len__(self) -> int:
+        return len(self.run.cycles.columns) + len(self.follow)
+
+
 def per_cycle(run) -> pd.DataFrame:
-    """What follows for each finished cycle: `cycle` and quantities that formats/quantities.py defines, by name.
+    """What follows for each finished cycle: `cycle`, and by name each quantity that has a formula in the registry or a
+    function in FUNCTIONS.
 
     Loads and work are those of the scenario's width: a narrower box carries less.
     """
-    cycles = run.cycles
-    box = derived.apparatus(run.scenario) if run.scenario is not None else None
-    area = box.sleeper_area_m2 if box else math.nan
-    frequency = run.scenario["loading.frequency"] if run.scenario is not None else math.nan
-    stroke = cycles["settlement_peak_m"] - cycles["settlement_m"]
+    values = ValuesOfRun(run)
     with np.errstate(divide="ignore", invalid="ignore"):
-        stiffness = (
-            area * (cycles["sleeper_stress_max_Pa"] - cycles["sleeper_stress_min_Pa"]) / stroke.where(stroke > 0)
-        )
-    follows = cycles["cycle"].diff().fillna(cycles["cycle"]) == 1  # after a lost row the increment is unknown
-    spheres = cycles[[f"porosity_{k}" for k in file_columns.SPHERES]]
-    return pd.DataFrame(
-        {
-            "cycle": cycles["cycle"],
-            "lateral_mean_m": lateral_mean(cycles),
-            "settlement_increment_m": cycles["settlement_m"].diff().fillna(cycles["settlement_m"]).where(follows),
-            "resilient_stroke_m": stroke,
-            "peak_acceleration_m_s2": stroke / 2 * (2 * math.pi * frequency) ** 2,
-            "secant_stiffness_N_m": stiffness,
-            "loop_energy_J": cycles["cycle"].map(sleeper_work(run) or harmonic_energy(run)).astype(float),
-            "porosity_spread": spheres.max(axis=1, skipna=False) - spheres.min(axis=1, skipna=False),
-            "tracking_ratio": cycles["tracking_rms_Pa"]
-            / (run.scenario["loading.stress_max"] if run.scenario is not None else math.nan),
-        }
-    )
+        for name, quantity in QUANTITIES.items():
+            if formula := quantity.formula or FUNCTIONS.get(name):
+                values.follow[name] = formula(values)
+    return pd.DataFrame({"cycle": run.cycles["cycle"], **values.follow})
+
+
+def _increment(values: ValuesOfRun) -> pd.Series:
+    """What each cycle adds to the settlement; nan after a lost row."""
+    cycle, settlement = values["cycle"], values["settlement_m"]
+    follows = cycle.diff().fillna(cycle) == 1
+    return settlement.diff().fillna(settlement).where(follows)
+
+
+def _stiffness(values: ValuesOfRun) -> pd.Series:
+    """Range of the load over the stroke, N/m."""
+    scenario, stroke = values.run.scenario, values["resilient_stroke_m"]
+    area = derived.apparatus(scenario).sleeper_area_m2 if scenario is not None else math.nan
+    return area * (values["sleeper_stress_max_Pa"] - values["sleeper_stress_min_Pa"]) / stroke.where(stroke > 0)
+
+
+def _loop_energy(values: ValuesOfRun) -> pd.Series:
+    """Work of the load in each cycle, J."""
+    run = values.run
+    return values["cycle"].map(sleeper_work(run) or harmonic_energy(run)).astype(float)
+
+
+def _porosity_spread(values: ValuesOfRun) -> pd.Series:
+    """Largest minus smallest porosity; nan where one is unknown."""
+    spheres = values.run.cycles[list(row_of("porosity_{}"))]
+    return spheres.max(axis=1, skipna=False) - spheres.min(axis=1, skipna=False)
 
 
 def lateral_mean(cycles: pd.DataFrame) -> pd.Series:
     """Mean displacement of the five plates after each cycle, m; nan where one is unknown."""
     return cycles[list(row_of("lateral_{}_m"))].mean(axis=1, skipna=False)
+
+
+FUNCTIONS: dict[str, Callable[[ValuesOfRun], pd.Series]] = {
+    "settlement_increment_m": _increment,
+    "lateral_mean_m": lambda values: lateral_mean(values.run.cycles),
+    "secant_stiffness_N_m": _stiffness,
+    "loop_energy_J": _loop_energy,
+    "porosity_spread": _porosity_spread,
+}
+"""Quantities that follow after each cycle and whose formula takes more than a line."""
 
 
 def harmonic_energy(run) -> dict[int, float]:

@@ -57,9 +57,9 @@ class Law:
         """The inner parameter as it is searched."""
         return float(np.log(inner)) if self.logarithmic else inner
 
-    def unscale(self, x: float) -> float:
+    def unscale(self, searched: float) -> float:
         """Inverse of `scale`."""
-        return float(np.exp(x)) if self.logarithmic else float(x)
+        return float(np.exp(searched)) if self.logarithmic else float(searched)
 
 
 def _exponential_columns(n, c):
@@ -102,28 +102,30 @@ class Fit:
     at_limit: bool
     """The search for c or the power ended at its limit: the curve does not determine it."""
 
-    def settlement(self, n) -> np.ndarray:
-        """The law at cycles `n`, m."""
-        return evaluate(self.law, self.values, n)
+    def settlement(self, cycles) -> np.ndarray:
+        """The law after these cycles, m."""
+        return evaluate(self.law, self.values, cycles)
 
 
-def evaluate(law: str, values: dict[str, float], n) -> np.ndarray:
-    """Settlement (m) after `n` cycles by a named law with its parameters."""
-    n = np.asarray(n, dtype=float)
+def evaluate(law: str, values: dict[str, float], cycles) -> np.ndarray:
+    """Settlement (m) after `cycles` by a named law with its parameters."""
+    cycles = np.asarray(cycles, dtype=float)
     rule = LAWS[law]
     inner = values[rule.inner] if rule.inner else 0.0
-    return rule.columns(n, inner) @ np.array([values[p] for p in rule.parameters if p != rule.inner])
+    return rule.columns(cycles, inner) @ np.array([values[p] for p in rule.parameters if p != rule.inner])
 
 
 # ---------------------------------------------------------------------- one law
 
 
-def fit(law: str, n: Sequence[float], s: Sequence[float], scatter: str = "constant", level: float = 0.95) -> Fit:
-    """Fit one law to settlements `s` (m) after `n` cycles (>= 1, rising).
+def fit(
+    law: str, cycles: Sequence[float], settlements: Sequence[float], scatter: str = "constant", level: float = 0.95
+) -> Fit:
+    """Fit one law to `settlements` (m) after `cycles` (>= 1, rising).
 
     Raises ValueError where there are too few points or values that are no number.
     """
-    return _best(law, n, s, scatter).describe(level)
+    return _best(law, cycles, settlements, scatter).describe(level)
 
 
 def _best(law: str, n: Sequence[float], s: Sequence[float], scatter: str) -> _Fitted:
@@ -354,9 +356,9 @@ class Choice:
     """One sentence for people."""
 
 
-def choose(n: Sequence[float], s: Sequence[float], level: float = 0.95) -> Choice:
-    """Fit all laws to settlements `s` (m) after `n` cycles and choose by BIC; rows with nan are left out."""
-    n, s = np.asarray(n, dtype=float), np.asarray(s, dtype=float)
+def choose(cycles: Sequence[float], settlements: Sequence[float], level: float = 0.95) -> Choice:
+    """Fit all laws to `settlements` (m) after `cycles` and choose by BIC; rows with nan are left out."""
+    n, s = np.asarray(cycles, dtype=float), np.asarray(settlements, dtype=float)
     usable = np.isfinite(n) & np.isfinite(s) & (n >= 1)
     n, first = np.unique(n[usable], return_index=True)
     s = s[usable][first]

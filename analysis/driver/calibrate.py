@@ -21,7 +21,7 @@ from analysis.arguments import Parser
 from analysis.driver import options
 from analysis.driver.engines import CODES, ENGINES
 from analysis.driver.record import stored_record
-from analysis.driver.run import Run
+from analysis.driver.run import Execution
 from analysis.driver.settings import RESULTS, RunSettings, relative
 from analysis.driver.supervise import Interrupted, RunError, StopRequest
 from analysis.formats import kept_tables
@@ -45,7 +45,7 @@ def distinct_gaps(scenario: Scenario, low_m: float, high_m: float) -> list[float
     gaps = {}
     for index in range(round((high_m - low_m) / STEP_M) + 1):
         gap = round(low_m + index * STEP_M, 7)
-        gaps[lattice.site_count(scenario.replace("packing.lattice_gap", gap))] = gap
+        gaps[lattice.site_count(scenario.with_values({"packing.lattice_gap": gap}))] = gap
     return sorted(gaps.values())
 
 
@@ -61,7 +61,7 @@ def load(settings: RunSettings, stop: StopRequest) -> Result:
     A bed that failed before is not tried again: on one core it would fail again. What it was packed to is known all the
     same.
     """
-    run, before = Run(settings, stop), stored_record(settings.folder)
+    run, before = Execution(settings, stop), stored_record(settings.folder)
     if before and before.state == "failed":
         print(f"calibrate: failed before ({before.reason}); to try it again, delete {run.folder}", file=sys.stderr)
     else:
@@ -132,7 +132,7 @@ def execute(chosen: argparse.Namespace) -> int:
     gaps = distinct_gaps(bases[0], *GAPS_M) if chosen.gaps is None else chosen.gaps
     for aspect, gap in choices(bases[0], gaps, chosen.aspects):
         for base in bases if gap == bases[0]["packing.lattice_gap"] else bases[:1]:
-            scenario = base.replace("packing.lattice_gap", gap).replace("clump.aspect", aspect)
+            scenario = base.with_values({"packing.lattice_gap": gap, "clump.aspect": aspect})
             try:
                 folder = f"aspect{scenario['clump.aspect']:g}-gap{1e3 * scenario['packing.lattice_gap']:g}mm"
                 settings = RunSettings(

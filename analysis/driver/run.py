@@ -33,7 +33,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError
 
 
-class Run:
+class Execution:
     """One scenario in one code with one seed: its folder, what has been done in it, and how to do the rest."""
 
     def __init__(self, settings: RunSettings, stop: StopRequest, engines: Mapping[str, Engine] = ENGINES):
@@ -176,7 +176,7 @@ class Run:
         if self.settings.bed:
             self._take_bed(self.settings.bed)
         elif self.scenario["packing.bed_from"]:
-            source = Run(self.settings.of_the_bed(), self.stop, self.engines)
+            source = Execution(self.settings.of_the_bed(), self.stop, self.engines)
             source.locks = self.locks
             source.pack()
             self._take_bed(source.bed_file)
@@ -327,7 +327,7 @@ def run(settings: RunSettings, engines: Mapping[str, Engine] = ENGINES) -> int:
     try:
         if settings.cycles is None and (asked := cycles_asked(settings.folder)) > settings.scenario["loading.cycles"]:
             settings = settings.with_cycles(asked)  # the same command without CYCLES goes on to where the run was going
-        Run(settings, stop, engines).go()
+        Execution(settings, stop, engines).go()
     except (EngineError, RunError, InputError, ScenarioError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -35,7 +35,8 @@ from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
 from analysis.scenarios.study import key_scenarios
 
-DAMPED = "nonlinear-md1-en0.6"
+SCENARIO_WITH_DASHPOTS = "nonlinear-md1-en0.6"
+"""Compared beside the key scenarios, whose contacts lose energy by friction alone."""
 SHARES = (0.6, 0.7, 0.8)
 SEEDS = (2, 3)
 CYCLES = 20
@@ -79,7 +80,7 @@ def wanted(name: str, critical_s: float) -> list[Wanted]:
 
 def settings_of(want: Wanted, results, cycles: int = CYCLES) -> RunSettings:
     """How to make it: an ordinary run below results/timestep, from the packed bed of its seed."""
-    scenario = load_scenario(want.scenario, "full", cycles=cycles).replace("time.step", want.step_s)
+    scenario = load_scenario(want.scenario, "full", cycles=cycles).with_values({"time.step": want.step_s})
     bed = RunSettings(scenario, LIGGGHTS.name, seed=want.seed, results=results)
     packed = (bed.of_the_bed().folder if scenario["packing.bed_from"] else bed.folder) / "raw" / "bed_packed.csv"
     return RunSettings(
@@ -188,7 +189,7 @@ def collect(results) -> tuple[pd.DataFrame, list[Wanted]]:
     folders = [results, files.KEPT_RUNS, *sorted((results / TIMESTEP).glob("*"))]
     runs = [run for folder in folders if folder.exists() for run in load_runs(folder) if only_time_differs(run)]
     rows, missing = [], []
-    for name in (*reversed(key_scenarios()), DAMPED):
+    for name in (*reversed(key_scenarios()), SCENARIO_WITH_DASHPOTS):
         critical = critical_of(runs, name)
         wants = wanted(name, critical)
         bed = common_bed(runs, wants)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 CODES = ("yade", "liggghts")
 PLATES = range(1, 6)
@@ -48,6 +49,9 @@ class Quantity:
     empty     True where a cell may be empty: the run cannot say it in every row
     compared  True where the codes are compared by it; left out is what is equal by construction (number of clumps,
               load), what a run is held to (tracking error) and what another quantity says
+    formula   of a quantity that follows after each cycle from others: a function of the columns of cycles.csv, of the
+              quantities in rows above, and of the scenario's parameters, each by its name. A quantity is stored in a
+              file, has a formula, or a function in comparison/quantities.py
     """
 
     name: str
@@ -59,6 +63,7 @@ class Quantity:
     shown: tuple[str, float] | None = None
     empty: bool = False
     compared: bool = False
+    formula: Callable[[Mapping[str, Any]], Any] | None = None
 
     @property
     def shown_unit(self) -> str:
@@ -407,6 +412,7 @@ _ROWS = (
         "settlement at maximum load minus that at the minimum load after it: what springs back",
         empty=True,
         compared=True,
+        formula=lambda run: run["settlement_peak_m"] - run["settlement_m"],
     ),
     Quantity(
         "peak_acceleration_m_s2",
@@ -416,6 +422,7 @@ _ROWS = (
         1e6,
         "half the resilient stroke x (2 pi f)²: above gravity the bed throws what lies loose on it",
         empty=True,
+        formula=lambda run: run["resilient_stroke_m"] / 2 * (2 * math.pi * run["loading.frequency"]) ** 2,
     ),
     Quantity(
         "secant_stiffness_N_m",
@@ -439,7 +446,14 @@ _ROWS = (
     ),
     Quantity("porosity_spread", "-", "range of the three porosities", 0, 1, "largest minus smallest", empty=True),
     Quantity(
-        "tracking_ratio", "-", "tracking error", 0, 1e6, "rms tracking error over the largest target stress", empty=True
+        "tracking_ratio",
+        "-",
+        "tracking error",
+        0,
+        1e6,
+        "rms tracking error over the largest target stress",
+        empty=True,
+        formula=lambda run: run["tracking_rms_Pa"] / run["loading.stress_max"],
     ),
     Quantity("tracking_worst_Pa", "Pa", "tracking error, worst cycle", 0, 1e9, "largest rms tracking error of a cycle"),
     Quantity(

@@ -56,42 +56,44 @@ class Normaliser:
         """Write bed_before.csv, stages.json, row 0 of microstructure.csv; start the tables anew if the bed changed."""
         self._begin(math.inf)
 
-    def ready(self, n: int) -> bool:
-        """True when the engine has written everything that belongs to cycle `n`."""
-        step = n * self._grid.steps_per_cycle
+    def ready(self, number: int) -> bool:
+        """True when the engine has written everything that belongs to cycle `number`."""
+        step = number * self._grid.steps_per_cycle
         return (
-            self._bed(n).exists()
-            and (not self._keeps(n) or self._contacts(n).exists())
+            self._bed(number).exists()
+            and (not self._keeps(number) or self._contacts(number).exists())
             and step in self._update(self.loading)
             and step in self._update(self.state)
         )
 
-    def cycle(self, n: int) -> dict[str, float]:
-        """Add cycle `n` to history.csv, microstructure.csv and cycles.csv; return the row of the latter.
+    def cycle(self, number: int) -> dict[str, float]:
+        """Add cycle `number` to history.csv, microstructure.csv and cycles.csv; return the row of the latter.
 
         A cycle that was done before is done again, and later ones are dropped. Deletes the bed of the cycle before,
         unless kept.
         """
-        if self._done is None or n <= self._done:
-            self._begin(n - 1)
-        if n != self._done + 1:
-            raise NormaliseError(f"cycles.csv: cycle {n} cannot follow cycle {self._done}; call rewind({n - 1}) first")
-        rows = self._rows(n)
+        if self._done is None or number <= self._done:
+            self._begin(number - 1)
+        if number != self._done + 1:
+            raise NormaliseError(
+                f"cycles.csv: cycle {number} cannot follow cycle {self._done}; call rewind({number - 1}) first"
+            )
+        rows = self._rows(number)
         zero = self._numbers(self._row(0))
         end = rows[-1]
-        bed = self._read(beds.read_bed, self._bed(n))
+        bed = self._read(beds.read_bed, self._bed(number))
         lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in file_columns.PLATES]
         structure = self._microstructure_row(
-            n,
+            number,
             bed,
             end["sleeper_displacement_m"],
             [end[f"plate_{k}_displacement_m"] for k in file_columns.PLATES],
             lateral,
-            self._state_row(n),
+            self._state_row(number),
         )
         mean_stress = [row["sleeper_stress_mean_Pa"] for row in rows]
         row = {
-            "cycle": n,
+            "cycle": number,
             "time_s": end["time_s"],
             "settlement_m": end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
             "settlement_peak_m": rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
@@ -103,25 +105,25 @@ class Normaliser:
             "clumps": len(bed),
         }
 
-        self._append_history([n])
+        self._append_history([number])
         self._microstructure.append([structure])
         self._cycles.append([[row[name] for name in file_columns.CYCLES]])
-        self._done = n
-        self.loading.drop_until(n * self._grid.steps_per_cycle, but=0)
-        self.state.drop_until(n * self._grid.steps_per_cycle)
-        if n > 1 and not self._keeps(n - 1):
-            self._bed(n - 1).unlink(missing_ok=True)
+        self._done = number
+        self.loading.drop_until(number * self._grid.steps_per_cycle, but=0)
+        self.state.drop_until(number * self._grid.steps_per_cycle)
+        if number > 1 and not self._keeps(number - 1):
+            self._bed(number - 1).unlink(missing_ok=True)
         return row
 
-    def rewind(self, n: int) -> None:
-        """Go back to the end of cycle `n`: drop later rows, beds, contacts, bonds; the engine will write them again.
+    def rewind(self, last: int) -> None:
+        """Go back to the end of cycle `last`: drop later rows, beds, contacts, bonds; the engine will write them again.
 
         Rows of raw/cyclic.csv and raw/state.csv may stay or be cut: a step that is there twice counts as last written.
         """
-        self._begin(n)
+        self._begin(last)
         for path in (path for kind in ("bed", "contacts", "bonds") for path in self._raw.glob(f"{kind}_cycle_*.csv")):
             number = path.stem.rpartition("_")[2]
-            later = number.isdigit() and int(number) > n
+            later = number.isdigit() and int(number) > last
             spent = (
                 number.isdigit()
                 and path.name.startswith("bed")

@@ -29,7 +29,6 @@ UNLOADED = "unload.csv"
 """What springs back when a copy of a run is slowly unloaded to the least stress (`make unload`)."""
 TRIALS = CALIBRATION, TIMESTEP = "calibration", "timestep"
 """Folders of results whose runs have a scenario's name but not its parameters."""
-"""Folder of the beds that `make calibrate` tries."""
 
 
 def load_runs(

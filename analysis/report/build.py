@@ -26,6 +26,7 @@ from analysis.report import data_archive, style
 from analysis.report.demo_outcome import summary
 from analysis.report.figure import Gallery
 from analysis.report.figures.beds import kept_scene
+from analysis.report.figures.further import further_sections
 from analysis.report.pages.assumptions import assumptions
 from analysis.report.pages.benchmark import benchmark_page
 from analysis.report.pages.claims import claims_page
@@ -177,6 +178,7 @@ def write_pages(data: ReportData, out: Path, stamp: str) -> None:
     """Render all pages that have something to say; styles and scripts are written into each."""
     templates = environment()
     contents = {page: page.content(data) for page in PAGES}  # all figures are drawn before the colours are listed
+    further = {page: further_sections(page.file, data) for page in PAGES}
     shown = [page for page in PAGES if contents[page] is not None]
     variables = style.colour_variables()
     css = templates.get_template("style.css").render(
@@ -190,6 +192,7 @@ def write_pages(data: ReportData, out: Path, stamp: str) -> None:
             css=css,
             stamp=stamp,
             scripts=[(TEMPLATES / name).read_text() for name in page.scripts],
+            further=further[page],
             **contents[page],
         )
         write_aside(out / page.file, numbered(with_contents(text)) + "\n")

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 from analysis.reference.curves import References
 from analysis.report import style
 from analysis.report.figure import Curve
-from analysis.report.labels import SOURCE_NAMES, reference_name
+from analysis.report.labels import PUBLICATION_NAMES, reference_name
 from analysis.report.style import PAPER, SOFT, Canvas
 
 NEAR_END = 0.8
@@ -192,7 +192,7 @@ def pending_names(references: References, quantity: str, scenarios: Iterable[str
     rows = references.pending
     rows = rows[(rows["quantity"] == quantity) & (rows["scenario"].isin(["", *scenarios]))]
     return [
-        f"{SOURCE_NAMES.get(source, source)} ({len(part)} curve{'s' if len(part) > 1 else ''})"
+        f"{PUBLICATION_NAMES.get(source, source)} ({len(part)} curve{'s' if len(part) > 1 else ''})"
         for (source, kind), part in rows.groupby(["source", "kind"], sort=True)
     ]
 

@@ -19,7 +19,7 @@ MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
 
 READING_NAMES = {TRUE_LOAD: "true load", SERVO: "PFC's servo"}
 
-SOURCE_NAMES = {
+PUBLICATION_NAMES = {
     "indraratna2013": "experiment of Indraratna 2013",
     "chen2015": "simulation of Chen 2015",
     "talebiahooie2021": "the paper's own simulation",

@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 
 from analysis.formats.numbers import plural
 from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
-from analysis.report.labels import MM, READING_NAMES, SOURCE_NAMES, short_name, variant_name
+from analysis.report.labels import MM, PUBLICATION_NAMES, READING_NAMES, short_name, variant_name
 from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables.base import number
@@ -65,7 +65,7 @@ def slug(text: str) -> str:
 
 def source_name(source: str) -> str:
     """A source of reference curves in words: `chen2015 (simulation)` is the simulation of Chen 2015."""
-    name = SOURCE_NAMES.get(source.partition(" (")[0], source)
+    name = PUBLICATION_NAMES.get(source.partition(" (")[0], source)
     return name.removeprefix("the ")
 
 

@@ -104,7 +104,7 @@ def _scenarios(base: dict[str, Parameter], scenarios: list[Scenario]) -> str:
 def _shorten(names: list[str]) -> list[str]:
     """All scenarios that begin alike as one: nonlinear-*."""
     everything = scenario_names()
-    for prefix in ("nonlinear-", "linear-"):
+    for prefix in reversed(dict.fromkeys(f"{name.partition('-')[0]}-" for name in everything)):
         alike = [n for n in everything if n.startswith(prefix)]
         if len(alike) > 1 and set(alike) <= set(names):
             names = [f"{prefix}*", *(n for n in names if n not in alike)]

@@ -10,7 +10,7 @@ import functools
 import hashlib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -67,11 +67,18 @@ class Scenario:
         """Name and variants, as the run's folder is called."""
         return join_id(self.name, self.variants)
 
-    def replace(self, key: str, value) -> Scenario:
-        """A copy with one value changed, for calibration and sensitivity studies; its status becomes `assumed`."""
-        old = self.parameters[key]
-        new = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
-        return Scenario(self.name, self.profile, self.title, self.parameters | {key: new}, self.variants, self.label)
+    def with_values(self, values: dict[str, float | int | str | list], name: str = "") -> Scenario:
+        """A copy with some values changed, for calibration and verification; their status becomes `assumed`.
+
+        `name` is given to a copy that is no scenario of the file any more: it has no variants and no other label.
+        """
+        changed = {}
+        for key, value in values.items():
+            old = self.parameters[key]
+            changed[key] = Parameter(value, old.unit, "assumed", f"varied from {old.value}")
+        named = (name, self.profile, self.title) if name else (self.name, self.profile, self.title)
+        kept = () if name else (self.variants, self.label)
+        return Scenario(*named, self.parameters | changed, *kept)
 
     @property
     def hash(self) -> str:
@@ -371,6 +378,32 @@ def _resolve(
     path: Path, content: dict, name: str, variants: Sequence[str], profile: str, cycles: int | None = None
 ) -> Scenario:
     """Lay the layers over each other, each value checked by itself."""
+    _check_known(path, content, name, variants, profile)
+    parameters = _base(path, content)
+    layers, texts = _chain(path, "scenario", content["scenario"], name, ("title", "base", "label", "group"))
+    titles, labels = [texts.get("title", name)], [_role(path, content["scenario"], name)["label"]]
+    for layer in (*layers, _profile_layer(path, content, profile)):
+        parameters.update(layer)
+
+    own_bed = []
+    for variant in (v for v in content["variant"] if v in variants):  # later ones of the file win, in whatever order
+        layers, texts = _chain(path, "variant", content["variant"], variant, ("title", "base", "label"))
+        titles.append(texts.get("title", variant))
+        labels.append(texts.get("label", variant))
+        for layer in layers:
+            parameters.update(layer)
+            if any(key.startswith(BED_SECTIONS) and not key.startswith("packing.bed_") for key in layer):
+                own_bed.append(variant)
+    if variants:
+        parameters["packing.bed_from"] = _bed_of_variant(parameters["packing.bed_from"], name, variants, own_bed)
+    if cycles is not None:
+        given = {"value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"}
+        parameters["loading.cycles"] = _parameter(path, "CYCLES", "loading.cycles", given)
+    return Scenario(name, profile, "; ".join(titles), _made(parameters), sorted(set(variants)), ", ".join(labels))
+
+
+def _check_known(path: Path, content: dict, name: str, variants: Sequence[str], profile: str) -> None:
+    """Refuse a scenario, variant or profile that the file does not have."""
     if name not in content["scenario"]:
         raise _unknown(path, "scenario", content["scenario"], name)
     for variant in variants:
@@ -379,122 +412,110 @@ def _resolve(
     if profile not in content["profile"]:
         raise ScenarioError(f"{path.name}: profile {profile!r} is unknown; known: {', '.join(content['profile'])}")
 
-    parameters = _base(path, content)
-    layers, texts = _chain(path, "scenario", content["scenario"], name, ("title", "base", "label", "group"))
-    title, label = texts.get("title", name), _role(path, content["scenario"], name)["label"]
+
+def _profile_layer(path: Path, content: dict, profile: str) -> dict[str, Parameter]:
+    """The values of a profile, which are of size and length only."""
     _, values = _overlay(path, f"profile.{profile}", content["profile"][profile], ("title",))
-    for key in values:
+    for key, parameter in values.items():
         if key not in PROFILE_KEYS:
-            raise _refuse(
-                path, f"profile.{profile}.{key}", values[key].value, "size and length only: " + ", ".join(PROFILE_KEYS)
-            )
-    layers.append(values)
-    for layer in layers:
-        parameters.update(layer)
+            allowed = "size and length only: " + ", ".join(PROFILE_KEYS)
+            raise _refuse(path, f"profile.{profile}.{key}", parameter.value, allowed)
+    return values
 
-    own_bed = []
-    for variant in (v for v in content["variant"] if v in variants):  # later ones of the file win, in whatever order
-        layers, texts = _chain(path, "variant", content["variant"], variant, ("title", "base", "label"))
-        title = f"{title}; {texts.get('title', variant)}"
-        label = f"{label}, {texts.get('label', variant)}"
-        for layer in layers:
-            parameters.update(layer)
-            if any(key.startswith(BED_SECTIONS) and not key.startswith("packing.bed_") for key in layer):
-                own_bed.append(variant)
-    if variants:
-        source = parameters["packing.bed_from"]
-        bed = join_id(source.value or name, own_bed)
-        if bed == join_id(name, variants):
-            bed, source = "", Parameter("", "-", "derived", "own packing: the variant changes what is packed")
-        elif bed != source.value:
-            source = Parameter(bed, "-", "assumed", "a variant starts from the packed bed of its scenario")
-        parameters["packing.bed_from"] = Parameter(bed, "-", source.status, source.source)
-    if cycles is not None:
-        parameters["loading.cycles"] = _parameter(
-            path,
-            "CYCLES",
-            "loading.cycles",
-            {"value": cycles, "unit": "-", "status": "assumed", "source": "given on the command line"},
-        )
 
-    return Scenario(name, profile, title, _made(parameters), sorted(set(variants)), label)
+def _bed_of_variant(source: Parameter, name: str, variants: Sequence[str], own_bed: Sequence[str]) -> Parameter:
+    """Which bed a scenario with variants starts from: its scenario's, unless variants (`own_bed`) change what is
+    packed.
+    """
+    bed = join_id(source.value or name, own_bed)
+    if bed == join_id(name, variants):
+        return Parameter("", "-", "derived", "own packing: the variant changes what is packed")
+    if bed != source.value:
+        return Parameter(bed, "-", "assumed", "a variant starts from the packed bed of its scenario")
+    return Parameter(bed, "-", source.status, source.source)
+
+
+Impossible = Iterator[tuple[str, str]]
+"""Keys whose values are each allowed but impossible together with others, and what they could be."""
 
 
 def _check_together(path: Path, scenario: Scenario) -> None:
-    """Refuse values that are each allowed but impossible together."""
+    """Refuse values that are each allowed but impossible together; later checks rest on earlier ones."""
+    for check in (_of_load, _of_box, _of_spheres, _of_packing, _of_output, _of_clumps, _of_time):
+        for key, allowed in check(scenario):
+            raise _refuse(path, f"scenario.{scenario.id}: {key}", scenario[key], allowed)
 
-    def refuse(key: str, allowed: str) -> ScenarioError:
-        return _refuse(path, f"scenario.{scenario.id}: {key}", scenario[key], allowed)
 
-    if (
-        scenario["contact.model"] == "hysteretic"
-        and scenario["contact.particle_particle.damping_mode"] == 0
-        and scenario["contact.particle_particle.restitution"] == 0
-    ):
-        raise refuse(
-            "contact.particle_particle.restitution", "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0"
-        )
-    if scenario["loading.stress_max"] <= scenario["loading.stress_min"]:
-        raise refuse("loading.stress_max", f"> loading.stress_min = {scenario['loading.stress_min']:g} Pa")
-    if scenario["preload.sleeper_stress"] != scenario["loading.stress_min"]:
-        raise refuse(
-            "preload.sleeper_stress",
-            f"loading.stress_min = {scenario['loading.stress_min']:g} Pa, where loading starts",
-        )
-    if scenario["geometry.sleeper_length"] > scenario["geometry.box_length"]:
-        raise refuse("geometry.sleeper_length", f"<= geometry.box_length = {scenario['geometry.box_length']:g} m")
-    room = scenario["geometry.sleeper_length"] - 2 * scenario["clump.ball_radius"]
-    if scenario["geometry.cut_x"] > room:
-        raise refuse("geometry.cut_x", f"<= {room:g} m, so that a clump fits between the cut and the plates")
-    if scenario["geometry.sleeper_width"] >= scenario["geometry.box_width"]:
-        raise refuse("geometry.sleeper_width", f"< geometry.box_width = {scenario['geometry.box_width']:g} m")
-    if scenario["geometry.sleeper_base"] + scenario["geometry.sleeper_height"] > scenario["geometry.box_height"] + 1e-9:
-        raise refuse("geometry.sleeper_height", "a sleeper whose top is not above the box")
-    stack = scenario["geometry.plate_count"] * (scenario["geometry.plate_height"] + scenario["geometry.plate_gap"])
-    if stack > scenario["geometry.box_height"]:
-        raise refuse(
-            "geometry.plate_height",
-            f"plates inside the box: {stack:g} m of plates and gaps in {scenario['geometry.box_height']:g} m",
-        )
-    if len(scenario["geometry.measurement_x"]) != 3:
-        raise refuse("geometry.measurement_x", "three values")
-    radius = scenario["geometry.measurement_radius"]
-    for x in scenario["geometry.measurement_x"]:
-        if x - radius < -1e-9 or x + radius > scenario["geometry.box_length"] + 1e-9:
-            raise refuse("geometry.measurement_x", "measurement spheres inside the box")
-    z = scenario["geometry.measurement_z"]
-    if z - radius < -1e-9 or z + radius > scenario["geometry.sleeper_base"] + 1e-9:
-        raise refuse("geometry.measurement_z", "measurement spheres between floor and sleeper base")
-    if scenario["packing.relax_stiffness"][-1] != 1.0:
-        raise refuse("packing.relax_stiffness", "fractions that end at 1")
-    grown = scenario["packing.lattice_radius"] * scenario["packing.growth"]
-    if abs(grown - scenario["clump.ball_radius"]) > 1e-6:
-        raise refuse(
-            "packing.growth",
-            f"clump.ball_radius / packing.lattice_radius: balls grow to {scenario['clump.ball_radius']:g} m",
-        )
-    if scenario["output.rows_per_cycle"] % (2 * scenario["output.blocks_per_cycle"]):
-        raise refuse("output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle")
-    for key, allowed in cost.too_much(scenario):
-        raise refuse(key, allowed)
-    diameter = 2 * derived.clump(scenario).radius_m
-    if scenario["geometry.plate_gap"] >= diameter:
-        raise refuse("geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres")
-    if derived.apparatus(scenario).width_m < 2 * scenario["clump.ball_radius"]:
-        raise refuse("geometry.width_scale", "a slice wide enough for one clump")
-    void = lattice.void_fraction(scenario)
+def _of_load(s: Scenario) -> Impossible:
+    damping_mode, restitution = (s[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution"))
+    if s["contact.model"] == "hysteretic" and damping_mode == 0 and restitution == 0:
+        singular = "> 0 with damping_mode = 0, whose D = (1 - e^2)/e is singular at 0"
+        yield "contact.particle_particle.restitution", singular
+    if s["loading.stress_max"] <= s["loading.stress_min"]:
+        yield "loading.stress_max", f"> loading.stress_min = {s['loading.stress_min']:g} Pa"
+    if s["preload.sleeper_stress"] != s["loading.stress_min"]:
+        where = f"loading.stress_min = {s['loading.stress_min']:g} Pa, where loading starts"
+        yield "preload.sleeper_stress", where
+
+
+def _of_box(s: Scenario) -> Impossible:
+    if s["geometry.sleeper_length"] > s["geometry.box_length"]:
+        yield "geometry.sleeper_length", f"<= geometry.box_length = {s['geometry.box_length']:g} m"
+    room = s["geometry.sleeper_length"] - 2 * s["clump.ball_radius"]
+    if s["geometry.cut_x"] > room:
+        yield "geometry.cut_x", f"<= {room:g} m, so that a clump fits between the cut and the plates"
+    if s["geometry.sleeper_width"] >= s["geometry.box_width"]:
+        yield "geometry.sleeper_width", f"< geometry.box_width = {s['geometry.box_width']:g} m"
+    if s["geometry.sleeper_base"] + s["geometry.sleeper_height"] > s["geometry.box_height"] + 1e-9:
+        yield "geometry.sleeper_height", "a sleeper whose top is not above the box"
+    stack = s["geometry.plate_count"] * (s["geometry.plate_height"] + s["geometry.plate_gap"])
+    if stack > s["geometry.box_height"]:
+        inside = f"plates inside the box: {stack:g} m of plates and gaps in {s['geometry.box_height']:g} m"
+        yield "geometry.plate_height", inside
+
+
+def _of_spheres(s: Scenario) -> Impossible:
+    if len(s["geometry.measurement_x"]) != 3:
+        yield "geometry.measurement_x", "three values"
+    radius, z = s["geometry.measurement_radius"], s["geometry.measurement_z"]
+    if any(x - radius < -1e-9 or x + radius > s["geometry.box_length"] + 1e-9 for x in s["geometry.measurement_x"]):
+        yield "geometry.measurement_x", "measurement spheres inside the box"
+    if z - radius < -1e-9 or z + radius > s["geometry.sleeper_base"] + 1e-9:
+        yield "geometry.measurement_z", "measurement spheres between floor and sleeper base"
+
+
+def _of_packing(s: Scenario) -> Impossible:
+    if s["packing.relax_stiffness"][-1] != 1.0:
+        yield "packing.relax_stiffness", "fractions that end at 1"
+    if abs(s["packing.lattice_radius"] * s["packing.growth"] - s["clump.ball_radius"]) > 1e-6:
+        grown = f"clump.ball_radius / packing.lattice_radius: balls grow to {s['clump.ball_radius']:g} m"
+        yield "packing.growth", grown
+
+
+def _of_output(s: Scenario) -> Impossible:
+    if s["output.rows_per_cycle"] % (2 * s["output.blocks_per_cycle"]):
+        yield "output.rows_per_cycle", "a multiple of twice output.blocks_per_cycle"
+    yield from cost.too_much(s)
+
+
+def _of_clumps(s: Scenario) -> Impossible:
+    diameter = 2 * derived.clump(s).radius_m
+    if s["geometry.plate_gap"] >= diameter:
+        yield "geometry.plate_gap", f"< {diameter:.4g} m, twice the radius of a clump's spheres"
+    if derived.apparatus(s).width_m < 2 * s["clump.ball_radius"]:
+        yield "geometry.width_scale", "a slice wide enough for one clump"
+    void = lattice.void_fraction(s)
     if void <= 0:
-        raise refuse("packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box")
+        yield "packing.lattice_gap", "a gap that leaves room: the clumps would fill more than the whole box"
     if void > 0.6:
-        raise refuse(
-            "packing.lattice_gap",
-            f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}",
-        )
-    limit = derived.critical_time_step(scenario)
-    if max(scenario["time.step"], derived.time_grid(scenario).step_s) > limit:
-        raise refuse(
-            "time.step", f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows"
-        )
+        reach = f"a gap whose bed can reach the sleeper: porosity of the filled box at most 0.6, here {void:.3g}"
+        yield "packing.lattice_gap", reach
+
+
+def _of_time(s: Scenario) -> Impossible:
+    limit = derived.critical_time_step(s)
+    if max(s["time.step"], derived.time_grid(s).step_s) > limit:
+        yield "time.step", f"<= {limit:.3g} s, the critical step of one contact, also once rounded to whole output rows"
 
 
 def _check_bed(path: Path, content: dict, scenario: Scenario) -> None:

@@ -45,7 +45,7 @@ from analysis.scenarios.schema import Key
 from analysis.verification import oracle
 from analysis.verification.cases.impacts import STEPS_BEFORE
 from analysis.verification.engine_laws import PAPER, EngineLaws, wall_law
-from analysis.verification.probes import Ball, Probe, with_values
+from analysis.verification.probes import Ball, Probe
 
 HELD_MASS = 1e12
 MOST_IMPACTS = 300
@@ -247,13 +247,13 @@ def _impact(refuse: Refuse, name: str, base: Scenario, given: dict, curve: str =
             if against == "wall" or key.removeprefix("body_2.") not in MATERIAL:
                 raise refuse(key, given[key], no_more)
     changes = {key.replace(".", "__"): value for key, value in given.items() if key.startswith("contact.")}
-    scenario = with_values(base, name, **changes, **_moduli(refuse, given, against, changes))
+    scenario = base.with_values({**changes, **_moduli(refuse, given, against, changes)}, name)
     if against == "plane":
         if scenario["contact.model"] != "hysteretic":
             raise refuse("impact.against", against, 'wall with the linear law; plane with contact.model "hysteretic"')
         same = scenario["contact.particle_particle.friction"]  # the plane has the particles' law, friction included
-        scenario = with_values(scenario, name, contact__particle_wall__friction=same)
-    scenario = with_values(scenario, name, **_damping(refuse, given, against, scenario))
+        scenario = scenario.with_values({"contact.particle_wall.friction": same}, name)
+    scenario = scenario.with_values(_damping(refuse, given, against, scenario), name)
     pair = {key: scenario[f"contact.particle_particle.{key}"] for key in ("damping_mode", "restitution")}
     if scenario["contact.model"] == "hysteretic" and pair["damping_mode"] == 0 and pair["restitution"] == 0:
         raise refuse(
@@ -289,10 +289,10 @@ def _moduli(refuse: Refuse, given: dict, against: str, changes: dict) -> dict[st
         *(of[body][name] for body in of for name in ("shear_modulus", "poisson_ratio"))
     )
     for name in ("shear_modulus", "poisson_ratio"):
-        if f"contact__particle_particle__{name}" in changes:
+        if f"contact.particle_particle.{name}" in changes:
             key = f"contact.particle_particle.{name}"
             raise refuse(key, given[key], f"{name} of the bodies or of the contact, not both")
-    return {"contact__particle_particle__shear_modulus": shear, "contact__particle_particle__poisson_ratio": poisson}
+    return {"contact.particle_particle.shear_modulus": shear, "contact.particle_particle.poisson_ratio": poisson}
 
 
 def _damping(refuse: Refuse, given: dict, against: str, scenario: Scenario) -> dict[str, float]:

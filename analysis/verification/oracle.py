@@ -101,7 +101,7 @@ class ViscousHertz(Hysteretic):
 
 
 @dataclass(frozen=True)
-class Impact:
+class ImpactCourse:
     """A head-on impact: its measures, and overlap and force over time."""
 
     peak_overlap_m: float
@@ -114,7 +114,7 @@ class Impact:
 
 
 @functools.lru_cache(1000)
-def head_on(law, speed: float, points: int = 400) -> Impact:
+def head_on(law, speed: float, points: int = 400) -> ImpactCourse:
     """Integrate mass * overlap'' = -force from touch to separation. Relative error about 1e-8."""
     length = (law.mass * speed**2 / (law.elastic(1e-3) * 1e-3)) ** 0.4 * 1e-3
     scale = length / speed
@@ -143,7 +143,7 @@ def head_on(law, speed: float, points: int = 400) -> Impact:
         fine = np.linspace(grid[max(k - 1, 0)], grid[min(k + 1, points - 1)], 401)
         return float(max(function(u, w) for u, w in found.sol(fine).T))
 
-    return Impact(
+    return ImpactCourse(
         peak(states[0], lambda u, w: u * length),
         peak(force, force_at),
         float(end * scale),

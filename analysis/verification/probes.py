@@ -21,7 +21,7 @@ from analysis.driver.engine import write_bed
 from analysis.driver.engines import LIGGGHTS
 from analysis.driver.liggghts import parameter_deck
 from analysis.files import ROOT
-from analysis.scenarios.scenario import Parameter, Scenario
+from analysis.scenarios.scenario import Scenario
 
 TIME_LIMIT_S, PATIENCE_S = 250, 7200
 """Most processor time of an engine, and most real time, which a busy machine stretches."""
@@ -102,16 +102,6 @@ class Trajectory:
     """Number of contacts whose hysteretic dashpot is at its limit, (rows,); nan in YADE, which has no such law."""
     bonds: np.ndarray
     """Number of bonds that hold, (rows,)."""
-
-
-def with_values(scenario: Scenario, name: str, **values) -> Scenario:
-    """`scenario` with some values replaced; keys with `__` for the dot, e.g. contact__model="linear"."""
-    parameters = dict(scenario.parameters)
-    for key, value in values.items():
-        key = key.replace("__", ".")
-        old = parameters[key]
-        parameters[key] = Parameter(value, old.unit, "assumed", "verification case")
-    return Scenario(name, scenario.profile, scenario.title, parameters)
 
 
 class EngineFailure(RuntimeError):

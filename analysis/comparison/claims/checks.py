@@ -21,12 +21,13 @@ from analysis.comparison.claims.claimed_quantities import (
     settlement,
     settlement_difference,
     slope,
+    value_after,
 )
-from analysis.comparison.claims.evidence import Check, Evidence, Measured, finished, widened
+from analysis.comparison.claims.evidence import Check, Claim, Evidence, Measured, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
 from analysis.comparison.quantities import has_processor_time
-from analysis.formats.quantities import SHOWN_UNITS
-from analysis.scenarios.scenario import scenario_names
+from analysis.formats.quantities import QUANTITIES, SHOWN_UNITS
+from analysis.scenarios.scenario import load_scenario, scenario_names
 from analysis.scenarios.study import key_scenarios
 
 LINEAR, NONLINEAR = key_scenarios()
@@ -41,6 +42,29 @@ def judges(function: Judge) -> Judge:
     """The function judges the claim whose id is its name."""
     CHECKS[function.__name__] = function
     return function
+
+
+def compares(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
+    """A claim with `compares`: the quantity of the scenario `more` is above `ratio` times that of the scenario `less`,
+    after the last cycle that both have reached, at least `cycles`.
+    """
+    asked, last = evidence.claim.compares, evidence.common_cycle(thresholds["cycles"])
+    quantity = QUANTITIES[asked["quantity"]]
+    found = evidence.measure(
+        f"{quantity.label} after cycle {last}", lambda run: value_after(run, asked["quantity"], last), last
+    )
+    yield evidence.check(
+        f"{quantity.label} above {thresholds['ratio']:g} times that of {asked['less']}",
+        quantity.unit,
+        lambda more, less: more - thresholds["ratio"] * less,
+        found[asked["more"]],
+        found[asked["less"]],
+    )
+
+
+def judge_of(claim: Claim) -> Judge | None:
+    """What judges a claim: `compares` where the claim says so, else the function of its id; None without one."""
+    return compares if claim.compares else CHECKS.get(claim.id)
 
 
 @judges
@@ -147,6 +171,19 @@ def nonlinear_lateral(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     )
 
 
+def by_restitution(claim: Claim, mode: int, low: float = 0.0, high: float = 1.0) -> dict[float, str]:
+    """The claim's scenarios of a damping mode by their e_n, rising from `low` to `high`; with e_n = 1 all modes are
+    one.
+    """
+    found = {}
+    for name in claim.runs:
+        scenario = load_scenario(name)
+        of_mode, restitution = (scenario[f"contact.particle_particle.{k}"] for k in ("damping_mode", "restitution"))
+        if (of_mode == mode or restitution == 1) and low <= restitution <= high:
+            found[restitution] = name
+    return dict(sorted(found.items()))
+
+
 @judges
 def damping_modes(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 6."""
@@ -156,12 +193,15 @@ def damping_modes(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
             f"lateral displacement after cycle {cycle}", lambda r, n=cycle: lateral_profile(r, n).mean(), cycle
         )
 
-        def margin(*values, low=low, high=high):
-            ratio = np.mean(values[:3]) / np.mean(values[3:])
+        gonthier = by_restitution(evidence.claim, 0)
+        each = len(gonthier)
+
+        def margin(*values, low=low, high=high, count=each):
+            ratio = np.mean(values[:count]) / np.mean(values[count:])
             return min(ratio - low, high - ratio)
 
         for mode in (1, 2):
-            names = [f"nonlinear-md{m}-en{en}" for m in (0, mode) for en in (0.3, 0.6, 0.9)]
+            names = [*gonthier.values(), *by_restitution(evidence.claim, mode).values()]
             yield evidence.check(
                 f"M_d = 0 over M_d = {mode} after cycle {cycle} between {low:g} and {high:g}",
                 "-",
@@ -175,27 +215,26 @@ def restitution_trend(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
     """Claim 7."""
     last = evidence.common_cycle(thresholds["cycles"])
     branches = (
-        ("M_d = 0", 0, (0.3, 0.6, 0.9, 1.0), -1),
-        ("M_d = 2", 2, (0.3, 0.6, 0.9, 1.0), -1),
-        ("M_d = 1 from 0.6", 1, (0.6, 0.9, 1.0), -1),
-        ("M_d = 1 to 0.6", 1, (0.0, 0.3, 0.6), 1),
+        ("M_d = 0", by_restitution(evidence.claim, 0), -1),
+        ("M_d = 2", by_restitution(evidence.claim, 2), -1),
+        ("M_d = 1 from 0.6", by_restitution(evidence.claim, 1, low=0.6), -1),
+        ("M_d = 1 to 0.6", by_restitution(evidence.claim, 1, high=0.6), 1),
     )
     for name, function in (
         ("settlement", lambda r: settlement(r, last)),
         ("lateral displacement", lambda r: lateral_profile(r, last).mean()),
     ):
         measured = evidence.measure(f"{name} after cycle {last}", function, last)
-        for branch, mode, restitutions, sign in branches:
-            scenarios = [NONLINEAR if en == 1 else f"nonlinear-md{mode}-en{en}" for en in restitutions]
+        for branch, scenarios, sign in branches:
 
-            def margin(*values, x=restitutions, sign=sign):
-                return sign * (np.polyfit(x, values, 1)[0] - thresholds["flat"])
+            def margin(*values, restitutions=tuple(scenarios), sign=sign):
+                return sign * (np.polyfit(restitutions, values, 1)[0] - thresholds["flat"])
 
             yield evidence.check(
                 f"{name} {'rises' if sign > 0 else 'falls'} with e_n, {branch}",
                 "m",
                 margin,
-                *(measured[s] for s in scenarios),
+                *(measured[s] for s in scenarios.values()),
             )
 
 

@@ -36,7 +36,7 @@ HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable"
 
 CODES = ("liggghts", "yade")
 
-PAPER = "paper"
+PAPER, CHEN = "paper", "chen2015"
 
 RUN = "a full-size run of "
 AND = " and "
@@ -49,7 +49,10 @@ ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the
 class Claim:
     """One claim; `criterion` and `quantity` with the thresholds filled in.
 
-    about   whose models: those of the paper, or chen2015, Chen et al.'s, judged from our own run of it
+    about      whose: the paper's of its own models; chen2015, the paper's of Chen et al.'s, judged from our own run of
+               that model; own, this project's
+    compares   of a claim that compares a quantity of two scenarios, what a function of its own would say otherwise:
+               the quantity, the scenario that has more of it and the one that has less, see checks.compares
     """
 
     number: int
@@ -64,6 +67,7 @@ class Claim:
     uncertainty: str
     reference: tuple[str, ...]
     about: str = PAPER
+    compares: dict[str, str] | None = None
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.comparison.claims.checks import CHECKS
+from analysis.comparison.claims.checks import judge_of
 from analysis.comparison.claims.evidence import CODES, FAILS, HOLDS, OPEN, Claim, Evidence, Rules, Verdict
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.files import CLAIMS_FILE
 from analysis.formats import toml_file
+from analysis.formats.quantities import QUANTITIES
 from analysis.reference.curves import References, load_references
 
 
@@ -43,9 +44,12 @@ def _claim(file: str, entry: dict) -> Claim:
         claim = Claim(**(entry | {"runs": tuple(entry["runs"]), "reference": tuple(entry["reference"])}))
     except (TypeError, KeyError) as error:
         raise ClaimError(f"{where}: {error}; each claim has {', '.join(Claim.__dataclass_fields__)}") from None
-    if claim.id not in CHECKS:
+    if claim.compares is not None:
+        _check_comparison(where, claim)
+    elif judge_of(claim) is None:
         raise ClaimError(
-            f"{where}: no function of that name in analysis/comparison/claims/checks.py; write one or correct the id"
+            f"{where}: no function of that name in analysis/comparison/claims/checks.py; write one, give compares, or "
+            "correct the id"
         )
     for name in claim.thresholds:
         if f"{{{name}" not in claim.criterion + claim.quantity:
@@ -57,6 +61,20 @@ def _claim(file: str, entry: dict) -> Claim:
     except (KeyError, ValueError) as error:
         raise ClaimError(f"{where}: criterion or quantity names {error}; give it in thresholds") from None
     return Claim(**(claim.__dict__ | worded))
+
+
+def _check_comparison(where: str, claim: Claim) -> None:
+    """ClaimError where `compares` or the thresholds are not what checks.compares needs."""
+    wanted = {"quantity": QUANTITIES, "more": claim.runs, "less": claim.runs}
+    if not isinstance(claim.compares, dict) or set(claim.compares) != set(wanted):
+        raise ClaimError(f"{where}: compares = {claim.compares!r} is refused; give {', '.join(wanted)}")
+    for key, known in wanted.items():
+        if claim.compares[key] not in known:
+            shown = "a quantity of docs/glossary.md" if key == "quantity" else f"one of {', '.join(known)}"
+            raise ClaimError(f"{where}: compares.{key} = {claim.compares[key]!r} is refused; give {shown}")
+    for name in ("cycles", "ratio"):
+        if name not in claim.thresholds:
+            raise ClaimError(f"{where}: criterion or quantity names '{name}'; give it in thresholds")
 
 
 def evaluate_claims(runs: Iterable, references: References | None = None, path: Path = CLAIMS_FILE) -> list[Verdict]:
@@ -77,7 +95,7 @@ def evaluate_claims(runs: Iterable, references: References | None = None, path: 
 def judge(claim: Claim, code: str, reading: str, runs: Iterable, references: References, rules: Rules) -> Verdict:
     """Judge one claim for one code in one reading of the load."""
     evidence = Evidence(runs, references, rules, claim, code, reading)
-    return evidence.judge(tuple(CHECKS[claim.id](evidence, claim.thresholds)))
+    return evidence.judge(tuple(judge_of(claim)(evidence, claim.thresholds)))
 
 
 def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:

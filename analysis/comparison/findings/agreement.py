@@ -208,6 +208,17 @@ def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=SAME_BED)
 
 
+def pairs_by_bed(found: Iterable[Member]) -> dict[tuple[str, str, str], list[same_bed.Pair]]:
+    """Pairs of runs from one bed that differ in one thing alone, by scenario, reading and checksum of the bed."""
+    found = list(found)
+    by_run = {id(m.run): m for m in found}
+    groups: dict[tuple[str, str, str], list[same_bed.Pair]] = {}
+    for pair in same_bed.same_bed_pairs([m.run for m in found]):
+        m = by_run[id(pair.one)]
+        groups.setdefault((m.scenario, m.reading, m.bed), []).append(pair)
+    return groups
+
+
 HALF_STEP = 0.02
 """Two time steps are one half of the other to within this share: a cycle is a whole number of steps."""
 

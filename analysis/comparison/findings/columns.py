@@ -36,6 +36,9 @@ class Told:
 
 
 PERCENT, MICROSECONDS, MILLISECONDS, PLAIN = ("%", 100.0), ("µs", 1e6), ("ms", 1e3), ("", 1.0)
+MICROMETRES = ("µm", 1e6)
+STAGES = {"packed_": "packed", "preloaded_": "preloaded"}
+"""What stands before the name of a quantity that is told of the bed after a stage."""
 
 TOLD = {
     "run": Told("folder of the run"),
@@ -97,22 +100,16 @@ TOLD = {
     "kind": Told("what is missing: scenario, cycles, seeds, reference"),
     "have": Told("how many are there"),
     "want": Told("how many are wanted"),
-    "number": Told("of the claim"),
     "about": Told("whose models the claim is about: paper; chen2015, judged from our own run of that model"),
     "claim": Told("the claim in words"),
     "verdict": Told("of the claim in a code and reading"),
     "because": Told("why the verdict is what it is"),
     "without_curve": Told("what the part says where the experiment's curve is pending"),
-    "check": Told("a part of the claim"),
-    "check_verdict": Told("of that part"),
     "numbers": Told("measured values with their 95 % half-widths, in words"),
     "margin": Told("by how much the values lie on the claim's side"),
     "half_width": Told("half of the margin's 95 % interval"),
     "missing": Told("what is missing to decide"),
     "part": Told("of the claim; empty for the whole"),
-    "true_load": Told("verdict under the true load"),
-    "servo": Told("verdict by PFC's servo"),
-    "outcome": Told("which reading the claim holds in; empty where one is undecided"),
     "bed_stiffness_N_m": Told(label="stiffness of the bed"),
     "bed_loss_angle_rad": Told(label="loss angle of the bed"),
     "time_constant_s": Told(label="time constant", shown=MILLISECONDS),
@@ -134,6 +131,35 @@ TOLD = {
     "ranks": Told(label="ranks or threads"),
     "share": Told(label="share", shown=PERCENT),
     "sleeper_work_J": Told(label="work of the sleeper per cycle"),
+    "settlement_rate_m": Told(label="settlement per cycle", shown=MICROMETRES),
+    "lateral_rate_m": Told(label="plates, per cycle", shown=MICROMETRES),
+    "crib_heave_rate_m": Told(label="heave of cribs, per cycle", shown=MICROMETRES),
+    "lattice_gap_m": Told(label="gap"),
+    "clumps_over_reported": Told(label="of the paper's", shown=PERCENT),
+    "tracking_worst_ratio": Told(label="tracking error"),
+    "number": Told("of the claim", "claim"),
+    "true_load": Told("verdict under the true load", "true load"),
+    "servo": Told("verdict by PFC's servo", "PFC's servo"),
+    "outcome": Told("which reading the claim holds in; empty where one is undecided", "the claim holds"),
+    "check": Told("a part of the claim", "part of the claim"),
+    "check_verdict": Told("of that part", "verdict"),
+    "rel_error": Told(label="relative error", shown=PLAIN),
+    "scenario_hash": Told(label="parameters"),
+    "git_commit": Told(label="commit"),
+    "best": Told("law that describes the curve best, by the Bayesian information criterion", "best law"),
+    "exponential_start": Told("yes, no or undecided", "exponential start"),
+    "reason": Told("why the law was chosen"),
+    **{
+        f"exponential_{name}_{end}": Told(f"{where} end of its 95 % interval")
+        for name in "abcd"
+        for end, where in (("low", "lower"), ("high", "upper"))
+    },
+    "plate_moved_low_m": Told("least displacement of a plate, outward since the end of preload"),
+    "plate_moved_high_m": Told("largest of them"),
+    "plate_mean_low_Pa": Told("least of the plates' mean stresses, over the cycles so far"),
+    "plate_mean_high_Pa": Told("largest of them"),
+    "plate_low_Pa": Told("least stress of any plate, over the cycles so far"),
+    "plate_high_Pa": Told("largest of them"),
 }
 
 
@@ -142,6 +168,10 @@ def label_of_column(name: str) -> tuple[str, str, float]:
     if name in QUANTITIES:
         quantity = QUANTITIES[name]
         return quantity.label, "" if quantity.unit == "cycles" else quantity.shown_unit, quantity.factor
+    for start, stage in STAGES.items():
+        if (told_of := name.removeprefix(start)) != name and told_of in QUANTITIES:
+            label, unit, factor = label_of_column(told_of)
+            return f"{label}, {stage}", unit, factor
     told = TOLD.get(name, Told())
     ending = next((unit for unit in ("ratio", "share") if name.endswith(f"_{unit}")), "")
     unit, factor = told.shown or (PERCENT if ending else SHOWN_UNITS.get(_unit(name), PLAIN))
@@ -165,9 +195,9 @@ def _unit(name: str) -> str:
 def _meaning(name: str) -> str:
     if name in TOLD and TOLD[name].meaning:
         return TOLD[name].meaning
-    for stage in ("packed_", "preloaded_"):
-        if name.startswith(stage) and name.removeprefix(stage) in QUANTITIES:
-            return f"{QUANTITIES[name.removeprefix(stage)].meaning}; bed {stage.removesuffix('_')}"
+    for start, stage in STAGES.items():
+        if name.startswith(start) and name.removeprefix(start) in QUANTITIES:
+            return f"{QUANTITIES[name.removeprefix(start)].meaning}; bed {stage}"
     if name in QUANTITIES:
         return QUANTITIES[name].meaning
     words = name.replace("_", " ")

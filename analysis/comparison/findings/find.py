@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
-from analysis.comparison.findings import agreement, bonds, influence, runs, servo, stock
+from analysis.comparison.findings import agreement, bonds, influence, laws, plates, runs, servo, stock
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.files import KEPT_RUNS
@@ -32,12 +32,14 @@ class Findings:
     same_bed         pairs of runs from one bed that differ in code, time step or rounding alone
     same_bed_verdicts   whether the codes differ by no more than time step and rounding do
     rates            settlement per cycle in spans of cycles, with the trend up to each
+    settlement_laws  which law describes each settlement curve
     packed_beds      after packing and after preload
     load_tracking    how the prescribed load was met
     servo            PFC's servo: measured and predicted response
     elastic          settlement split into what springs back and what stays
     bonds            parallel bonds made and broken
     influence        one thing changed at a time
+    plate_laws       what the law that holds the plates decides
     stock            each code's own contact models against the paper's laws
     calibration      beds that `make calibrate` tried
     timestep, benchmark, benchmark_sizes, benchmark_profile
@@ -59,12 +61,14 @@ class Findings:
     same_bed: pd.DataFrame
     same_bed_verdicts: pd.DataFrame
     rates: pd.DataFrame
+    settlement_laws: pd.DataFrame
     packed_beds: pd.DataFrame
     load_tracking: pd.DataFrame
     servo: pd.DataFrame
     elastic: pd.DataFrame
     bonds: pd.DataFrame
     influence: pd.DataFrame
+    plate_laws: pd.DataFrame
     stock: pd.DataFrame
     calibration: pd.DataFrame
     timestep: pd.DataFrame
@@ -119,12 +123,14 @@ def find(
         same_bed=pairs,
         same_bed_verdicts=agreement.same_bed_verdicts(pairs, kept["timestep"]),
         rates=runs.rates_table(listed),
+        settlement_laws=laws.laws_table(listed),
         packed_beds=runs.packed_beds_table(listed),
         load_tracking=runs.load_table(listed),
         servo=servo.servo_table(listed),
         elastic=servo.elastic_table(listed),
         bonds=bonds.bonds_table(listed),
         influence=influence.influence_table(listed, scatter),
+        plate_laws=plates.plate_laws_table(listed),
         stock=stock.stock_table(listed, scatter),
         **kept,
         verdicts=judged.to_frame(verdicts),

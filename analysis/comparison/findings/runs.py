@@ -21,6 +21,7 @@ COVERAGE = ("bed", "state", "cycles", "cycles_wanted", "clumps", "settlement_m",
 LOAD = ("cycles", "stress_min_Pa", "stress_max_Pa", "tracking_worst_ratio", "tracking_last_ratio", "worst_cycle")
 COST = ("step_s", "steps_per_cycle", "steps_per_s", "seconds_per_cycle", "hours_per_1000_cycles")
 STAGES = ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number", "overlap_mean_m")
+STAGES += ("overlap_max_ratio",)
 IDENTITY = ("run", "profile", "scenario", "variant", "reading", "code", "seed")
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison.findings.agreement import AGREES_WITHIN
+from analysis.formats.quantities import COMPARED
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.style import SOFT
@@ -16,6 +17,12 @@ GROUPS = {  # name, marker: quantities
     ("stiff- ness", "D"): ("resilient_stroke_m", "secant_stiffness_N_m", "loop_energy_J"),
     ("porosity, contacts", "^"): ("porosity_1", "porosity_2", "porosity_3", "coordination_number", "overlap_mean_m"),
 }
+
+
+def groups() -> dict[tuple[str, str], tuple[str, ...]]:
+    """GROUPS, and a group of the compared quantities that are in none of them."""
+    named = {name for quantities in GROUPS.values() for name in quantities}
+    return GROUPS | {("within the bed", "v"): tuple(name for name in COMPARED if name not in named)}
 
 
 def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figure | None:
@@ -31,16 +38,14 @@ def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figu
     )
     at = 0
     ticks, labels = [], []
-    for (label, marker), quantities in GROUPS.items():
+    for (label, marker), quantities in groups().items():
         part = rows[rows["quantity"].isin(quantities)].sort_values(["quantity", "scenario", "reading", "cycle"])
         if part.empty:
             continue
         x = at + np.arange(len(part))
         ratio = part["liggghts_mean"] / part["yade_mean"]
-        for hue, chosen in (
-            ("linear", part["scenario"].str.startswith("linear")),
-            ("nonlinear", ~part["scenario"].str.startswith("linear")),
-        ):
+        linear = part["scenario"].map(lambda scenario: gallery.look(scenario)[1] == "linear")
+        for hue, chosen in (("linear", linear), ("nonlinear", ~linear)):
             if not chosen.any():
                 continue
             low, high = (part.loc[chosen, f"{end}_ratio"] for end in ("low", "high"))

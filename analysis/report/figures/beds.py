@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Sequence
 from pathlib import Path
 
+from analysis.comparison.quantities import last_cycle
 from analysis.normalised.readers import Run
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import short_name
 from analysis.report.pictures.panels import ASKEW, bed_panel, chain_panel
 from analysis.report.pictures.scene import NoBed, Scene, ViewError, last_with_contacts, load_scene, packed_scene
-from analysis.report.report_data import KEY_SCENARIOS
+from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.style import CODE_NAMES, Canvas
 from analysis.scenarios.scenario import load_scenario
 
@@ -60,3 +62,23 @@ def bed_figure(
         drawn.append(c)
         used.append(run)
     return gallery.finish(name, title, caption, drawn, used, layout="picture")
+
+
+def full_bed_figure(data: ReportData, profile: str = "full") -> Figure | None:
+    """The bed after loading of the longest run whose bed is on this machine; None without one."""
+    runs = [run for run in data.of(profile) if (run.folder / "bed_after.csv").exists()]
+    runs.sort(key=lambda run: (run.base_name == KEY_SCENARIOS[-1], run.code == "liggghts", last_cycle(run)))
+    return bed_figure(
+        data.gallery,
+        runs[-1:],
+        "bed-full",
+        "after",
+        "The bed after loading",
+        "Clumps of two spheres, coloured by how far they moved since the end of preload; sleeper and plates as glass, "
+        "where they stand at the end. The bed is cut open along the middle of the sleeper.",
+    )
+
+
+def moving_picture(path: Path) -> str:
+    """The moving picture kept in the repository as a data URI; empty where it is not there."""
+    return "data:image/webp;base64," + base64.b64encode(path.read_bytes()).decode() if path.exists() else ""

@@ -26,6 +26,16 @@ WHEN = (
 """When a bond broke: words, first and last cycle, hue, level."""
 
 
+def bond_figures(gallery: Gallery, runs: Sequence[Run]) -> list[Figure | None]:
+    """How many bonds broke by which cycle, and where."""
+    made = "Of bonds made at the end of packing; cycle 0 is the end of preload."
+    where = "Each dot is a bond, at its place when it broke; all of the bed's depth is seen. Grey: sleeper and plates."
+    return [
+        bonds_figure(gallery, runs, "bonds", "Bonds broken", made),
+        broken_bonds_figure(gallery, runs, "broken-bonds", "Where bonds broke", where),
+    ]
+
+
 def bonds_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
     """Share of bonds broken so far against cycles; one panel."""
     runs = [run for run in runs if len(run.bonds)]

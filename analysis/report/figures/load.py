@@ -13,10 +13,10 @@ from analysis.formats.quantities import QUANTITIES
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.curves import curve_rows, cycle_axis, draw, last_cycle_of
-from analysis.report.figure import Figure, Gallery
+from analysis.report.figure import Curve, Figure, Gallery
 from analysis.report.labels import KPA, MM, short_name
 from analysis.report.paper import paper
-from analysis.report.style import CODE_NAMES, SOFT
+from analysis.report.style import CODE_NAMES, SOFT, Canvas
 from analysis.scenarios.scenario import Scenario
 
 TRACKING_AIM = {model: 100 * aim for model, aim in runs_findings.TRACKING_AIM.items()}
@@ -28,6 +28,12 @@ def tracking_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str
     curves = gallery.curves(runs)
     if not curves:
         return None
+    caption = "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum)."
+    return gallery.finish(name, title, caption, [_error(curves, name), _extremes(curves, name)], runs, curves)
+
+
+def _error(curves: Sequence[Curve], name: str) -> Canvas:
+    """rms tracking error of each cycle, beside what is aimed at."""
     error = style.canvas(f"{name}-error", "Load tracking error per cycle, rms in percent of the maximum stress")
     for curve in curves:
         top = curve.setup["loading.stress_max"] if curve.setup else paper().stress_max_Pa
@@ -53,7 +59,11 @@ def tracking_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str
     error.hover_unit = "%"
     cycle_axis(error, last_cycle_of(curves), False)
     error.table = curve_rows(curves, ["cycle", "tracking_rms_Pa"])
+    return error
 
+
+def _extremes(curves: Sequence[Curve], name: str) -> Canvas:
+    """Largest and least stress of each cycle minus their targets."""
     extremes = style.canvas(f"{name}-extremes", "Largest and smallest sleeper stress per cycle minus their targets")
     for curve in curves:
         if curve.setup is None:
@@ -76,8 +86,7 @@ def tracking_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str
     extremes.hover_unit = "kPa"
     cycle_axis(extremes, last_cycle_of(curves), False)
     extremes.table = curve_rows(curves, ["cycle", "sleeper_stress_min_Pa", "sleeper_stress_max_Pa"])
-    caption = "rms error over each cycle, and the extremes of each cycle minus their targets (paler: minimum)."
-    return gallery.finish(name, title, caption, [error, extremes], runs, curves)
+    return extremes
 
 
 def stress_figure(
@@ -154,60 +163,48 @@ def stroke_figure(gallery: Gallery, runs: Sequence[Run], name: str) -> Figure | 
 def loop_figure(gallery: Gallery, runs: Sequence[Run], name: str) -> Figure | None:
     """Stress on the sleeper against its settlement in the first and the last cycle, one panel per scenario."""
     curves = [curve for curve in gallery.curves(runs) if len(curve.main.loops)]
-    drawn = []
-    for scenario in dict.fromkeys(curve.scenario for curve in curves):
-        members = [curve for curve in curves if curve.scenario == scenario]
-        c = style.canvas(f"{name}-{scenario}", f"Stress against settlement, {short_name(scenario)}", right=1.2)
-        frames = []
-        for curve in members:
-            history = curve.main.loops
-            last = int(np.floor(history["cycle"].max() + 1e-9))
-            for cycle in sorted({1, last}):
-                part = history[(history["cycle"] >= cycle - 1 - 1e-9) & (history["cycle"] <= cycle + 1e-9)]
-                if len(part) < 8:
-                    continue
-                c.axes.plot(
-                    MM * part["settlement_m"],
-                    KPA * part["sleeper_stress_Pa"],
-                    color=curve.colour,
-                    linestyle=curve.look["linestyle"],
-                    linewidth=1.3,
-                    alpha=0.5 if cycle == 1 and last > 1 else 1,
-                )
-                end = part.loc[part["sleeper_stress_Pa"].idxmax()]
-                if curve is members[0]:
-                    c.axes.annotate(
-                        f"cycle {cycle}",
-                        (MM * end["settlement_m"], KPA * end["sleeper_stress_Pa"]),
-                        (0, 4),
-                        textcoords="offset points",
-                        fontsize=style.SMALL,
-                        color=curve.colour,
-                        ha="center",
-                    )
-                frames.append(part[["cycle", "settlement_m", "sleeper_stress_Pa"]].assign(run=curve.main.id))
-            if frames:
-                c.labels.append(
-                    (
-                        MM * part["settlement_m"].iloc[-1],
-                        KPA * part["sleeper_stress_Pa"].iloc[-1],
-                        CODE_NAMES.get(curve.code, curve.code),
-                        curve.colour,
-                    )
-                )
-        if not frames:
-            continue
-        c.axes.set(xlabel="settlement, mm", ylabel="stress on the sleeper, kPa")
-        c.axes.set_ylim(0, 520)
-        c.axes.set_title(short_name(scenario))
-        c.table = pd.concat(frames, ignore_index=True)
-        drawn.append(c)
+    scenarios = dict.fromkeys(curve.scenario for curve in curves)
     return gallery.finish(
         name,
         "Stress against settlement",
         "First (paler) and last cycle. The area of a loop is the work lost in the cycle; its extent along the "
         "settlement axis is the resilient stroke.",
-        drawn,
+        [c for s in scenarios if (c := _loops([curve for curve in curves if curve.scenario == s], f"{name}-{s}"))],
         [curve.main for curve in curves],
         curves,
     )
+
+
+def _loops(curves: Sequence[Curve], name: str) -> Canvas | None:
+    """The first and the last loop of curves of one scenario; None where there is no whole one."""
+    title = short_name(curves[0].scenario)
+    c, frames = style.canvas(name, f"Stress against settlement, {title}", right=1.2), []
+    for curve in curves:
+        last = int(np.floor(curve.main.loops["cycle"].max() + 1e-9))
+        for cycle in sorted({1, last}):
+            part = curve.main.loops
+            part = part[(part["cycle"] >= cycle - 1 - 1e-9) & (part["cycle"] <= cycle + 1e-9)]
+            if len(part) >= 8:
+                _draw_loop(c, curve, part, 0.5 if cycle == 1 and last > 1 else 1, curve is curves[0], cycle)
+                frames.append(part[["cycle", "settlement_m", "sleeper_stress_Pa"]].assign(run=curve.main.id))
+        if frames:
+            end = MM * part["settlement_m"].iloc[-1], KPA * part["sleeper_stress_Pa"].iloc[-1]
+            c.labels.append((*end, CODE_NAMES.get(curve.code, curve.code), curve.colour))
+    if not frames:
+        return None
+    c.axes.set(xlabel="settlement, mm", ylabel="stress on the sleeper, kPa")
+    c.axes.set_ylim(0, 520)
+    c.axes.set_title(title)
+    c.table = pd.concat(frames, ignore_index=True)
+    return c
+
+
+def _draw_loop(c: Canvas, curve: Curve, part: pd.DataFrame, alpha: float, named: bool, cycle: int) -> None:
+    """One cycle, with its number at its top where it is `named`."""
+    x, y = MM * part["settlement_m"], KPA * part["sleeper_stress_Pa"]
+    look = {"color": curve.colour, "linestyle": curve.look["linestyle"], "linewidth": 1.3, "alpha": alpha}
+    c.axes.plot(x, y, **look)
+    if named:
+        top = y.idxmax()
+        text = {"fontsize": style.SMALL, "color": curve.colour, "ha": "center", "textcoords": "offset points"}
+        c.axes.annotate(f"cycle {cycle}", (x[top], y[top]), (0, 4), **text)

@@ -188,6 +188,31 @@ def both_readings_figure(
     return gallery.finish(name, title, caption + steps, drawn, runs, used)
 
 
+def full_settlement_figure(gallery: Gallery, members: Sequence[Member], scenarios: Iterable[str]) -> Figure | None:
+    """Settlement on the full bed."""
+    return both_readings_figure(
+        gallery,
+        members,
+        scenarios,
+        "settlement-full",
+        "Settlement of the sleeper on the full bed",
+        "At minimum load, zero at the end of preload; cycles on a logarithmic axis, each model on a scale of its own. "
+        "Thin lines are single packed beds, the thick line is their mean as far as all of them reach.",
+    )
+
+
+def demo_settlement_figure(gallery: Gallery, members: Sequence[Member]) -> Figure | None:
+    """Settlement on the demo bed."""
+    return both_readings_figure(
+        gallery,
+        members,
+        dict.fromkeys(m.scenario for m in members),
+        "settlement-demo",
+        "Settlement of the sleeper on the demo bed",
+        "At minimum load, zero at the end of preload.",
+    )
+
+
 def _finish_panel(canvas: Canvas, curves: list, title: str) -> None:
     canvas.axes.set_ylim(bottom=0)
     canvas.axes.invert_yaxis()

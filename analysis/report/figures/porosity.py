@@ -25,7 +25,7 @@ from analysis.report.curves import (
 )
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import MM, short_name
-from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT
+from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT, Canvas
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -87,29 +87,7 @@ def sphere_figure(gallery: Gallery, setup: Scenario) -> Figure:
         left=0.62,
         right=0.2,
     )
-    c.axes.add_patch(Rectangle((0, 0), MM * box.length_m, MM * box.height_m, fill=False, edgecolor=SOFT, linewidth=1))
-    low, high = box.sleeper.low, box.sleeper.high
-    c.axes.add_patch(
-        Rectangle((0, MM * low[2]), MM * high[0], MM * (high[2] - low[2]), facecolor=SOFT, alpha=0.35, linewidth=0)
-    )
-    c.axes.text(MM * high[0] / 2, MM * (low[2] + high[2]) / 2, "sleeper", ha="center", va="center", fontsize=8.5)
-    for number, plate in enumerate(box.plates, start=1):
-        c.axes.add_patch(
-            Rectangle(
-                (MM * plate.low[0], MM * plate.low[2]),
-                24,
-                MM * (plate.high[2] - plate.low[2]),
-                facecolor=SOFT,
-                linewidth=0,
-            )
-        )
-        c.axes.text(
-            MM * plate.low[0] + 34,
-            MM * (plate.low[2] + plate.high[2]) / 2,
-            str(number),
-            va="center",
-            fontsize=style.SMALL,
-        )
+    _draw_apparatus(c, box)
     for k, (x, _, z) in enumerate(box.measurement_centres_m):
         colour = style.shade("linear", k - 1.0)
         c.axes.add_patch(
@@ -134,3 +112,30 @@ def sphere_figure(gallery: Gallery, setup: Scenario) -> Figure:
         [c],
         [],
     )
+
+
+def _draw_apparatus(c: Canvas, box: derived.Apparatus) -> None:
+    """Box, sleeper and plates, from the side."""
+    c.axes.add_patch(Rectangle((0, 0), MM * box.length_m, MM * box.height_m, fill=False, edgecolor=SOFT, linewidth=1))
+    low, high = box.sleeper.low, box.sleeper.high
+    c.axes.add_patch(
+        Rectangle((0, MM * low[2]), MM * high[0], MM * (high[2] - low[2]), facecolor=SOFT, alpha=0.35, linewidth=0)
+    )
+    c.axes.text(MM * high[0] / 2, MM * (low[2] + high[2]) / 2, "sleeper", ha="center", va="center", fontsize=8.5)
+    for number, plate in enumerate(box.plates, start=1):
+        c.axes.add_patch(
+            Rectangle(
+                (MM * plate.low[0], MM * plate.low[2]),
+                24,
+                MM * (plate.high[2] - plate.low[2]),
+                facecolor=SOFT,
+                linewidth=0,
+            )
+        )
+        c.axes.text(
+            MM * plate.low[0] + 34,
+            MM * (plate.low[2] + plate.high[2]) / 2,
+            str(number),
+            va="center",
+            fontsize=style.SMALL,
+        )

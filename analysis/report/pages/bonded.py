@@ -4,57 +4,26 @@ from __future__ import annotations
 
 from analysis.comparison.findings.members import READINGS, member
 from analysis.normalised.readers import Runs
-from analysis.report.figures.bonds import bonds_figure, broken_bonds_figure
-from analysis.report.figures.lateral import lateral_figure
-from analysis.report.figures.settlement import settlement_figure
-from analysis.report.labels import READING_NAMES
+from analysis.report.figures.bonds import bond_figures
+from analysis.report.figures.remade import three_models_figures
 from analysis.report.report_data import CHEN_SCENARIOS, KEY_SCENARIOS, ReportData
-from analysis.report.sentences import slug
 from analysis.report.tables.base import Table
 from analysis.report.tables.bonds import bonds_table
 from analysis.scenarios.scenario import load_scenario
 
 TITLE = "Chen et al.: the bonded model, our own run"
 WAITS = "It appears as soon as a run of the bonded model has finished a cycle (make liggghts-chen2015)."
-OF_CHEN = (
-    "Chen et al. (2015) is run here from the parameters of Table 3, with parallel bonds between the particles that "
-    "touch at the end of packing (assumed). It is not their published curve, which is pending."
-)
-
-AS_ABOVE = "Chen et al.'s model as in the figure before."
 
 
 def bonded_group(data: ReportData, profile: str) -> dict:
     """Settlement and lateral displacement of the three models in each reading; bonds made, broken, and where."""
-    g, runs = data.gallery, data.of(profile)
+    models = Runs(run for run in data.of(profile) if run.base_name in (*KEY_SCENARIOS, *CHEN_SCENARIOS))
     figures = []
     for reading in READINGS:
-        mine = Runs(run for run in runs if member(run).reading == reading)
-        if not any(run.base_name in CHEN_SCENARIOS for run in mine):
-            continue
-        mine = Runs(run for run in mine if run.base_name in (*KEY_SCENARIOS, *CHEN_SCENARIOS))
-        name, where = slug(reading), READING_NAMES[reading]
-        stiff = Runs(run for run in mine if run.base_name != KEY_SCENARIOS[-1])  # the nonlinear model hides both
-        figures += [
-            settlement_figure(
-                g, stiff, f"bonded-linear-{name}", f"Bonded and linear model, {where}: settlement", OF_CHEN
-            ),
-            settlement_figure(g, mine, f"bonded-settlement-{name}", f"Three models, {where}: settlement", AS_ABOVE),
-            lateral_figure(g, mine, f"bonded-lateral-{name}", f"Three models, {where}: lateral displacement", AS_ABOVE),
-        ]
-    bonded = bonded_runs(data, profile)
-    figures += [
-        bonds_figure(
-            g, bonded, "bonds", "Bonds broken", "Of bonds made at the end of packing; cycle 0 is the end of preload."
-        ),
-        broken_bonds_figure(
-            g,
-            bonded,
-            "broken-bonds",
-            "Where bonds broke",
-            "Each dot is a bond, at its place when it broke; all of the bed's depth is seen. Grey: sleeper and plates.",
-        ),
-    ]
+        mine = Runs(run for run in models if member(run).reading == reading)
+        if any(run.base_name in CHEN_SCENARIOS for run in mine):
+            figures += three_models_figures(data.gallery, mine, reading)
+    figures += bond_figures(data.gallery, bonded_runs(data, profile))
     return {"title": TITLE, "missing": WAITS, "figures": figures, "tables": [bonds_of(data, profile)]}
 
 

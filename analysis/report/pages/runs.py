@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
-import numpy as np
-
 from analysis.comparison.findings.members import TRUE_LOAD, member
-from analysis.comparison.quantities import last_cycle
-from analysis.driver.status import load_not_reached
-from analysis.formats.quantities import row_of
-from analysis.normalised.readers import Run
 from analysis.report.figures.load import tracking_figure
-from analysis.report.report_data import ReportData, key_runs, state_of, timing, tracking_percent
-from analysis.report.sentences import lines
-from analysis.report.tables.runs import STATE_KIND, left_out_table, provenance_table, runs_table
+from analysis.report.report_data import ReportData, key_runs
+from analysis.report.run_account import run_entry
+from analysis.report.tables.runs import left_out_table, provenance_table, runs_table
 
 
 def runs_page(data: ReportData) -> dict:
@@ -30,46 +22,11 @@ def runs_page(data: ReportData) -> dict:
         for profile in data.profiles
     ]
     return {
-        "all_runs": runs_table(runs),
+        "all_runs": runs_table(data.findings, runs),
         "summary": provenance_table(runs),
         "runs": [run_entry(run) for run in runs],
         "tables": [left_out_table(data.left_out)],
         "figures": tracking,
         "results": data.results,
         "problems": data.problems,
-    }
-
-
-def run_entry(run: Run) -> dict:
-    """One run in a few sentences."""
-    state, reason = state_of(run)
-    return {
-        "anchor": re.sub(r"[^a-z0-9]+", "-", run.id.lower()),
-        "name": run.id,
-        "state": state,
-        "kind": STATE_KIND.get(state, "open"),
-        "text": " ".join(lines("run.txt", **said_of(run, reason))),
-        "deviations": [str(d) for d in run.info.get("deviations", [])],
-        "problems": run.problems,
-        "command": run.info.get("command", "command unknown"),
-    }
-
-
-def said_of(run: Run, reason: str) -> dict:
-    """What templates/run.txt needs."""
-    times, choice = timing(run), run.scenario.parameters.get("time.choice") if run.scenario is not None else None
-    speeds = times.get("steps_per_second")
-    plates = run.plate_stresses[list(row_of("plate_{}_stress_mean_Pa"))].mean()
-    return {
-        "run": run,
-        "info": run.info,
-        "reason": reason,
-        "times": times,
-        "choice": choice.value if choice else "",
-        "missed": load_not_reached(run.folder, run.scenario) if run.scenario is not None else "",
-        "cycles": last_cycle(run),
-        "speeds": speeds if isinstance(speeds, dict) else {},
-        "tracking_percent": tracking_percent(run) if len(run.cycles) else None,
-        "plates": list(plates) if np.isfinite(plates).any() else [],
-        "versions": run.info.get("versions", {}),
     }

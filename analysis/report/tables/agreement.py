@@ -11,7 +11,7 @@ from analysis.comparison import same_bed
 from analysis.comparison.findings.agreement import AGREES, DIFFERS
 from analysis.formats.numbers import plural
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number, shown
+from analysis.report.tables.base import Chip, Shown, Table, between, frame_table, label_of_column, number, shown
 
 SHOWN = (
     "settlement_m",
@@ -47,17 +47,10 @@ def agreement_table(rows: pd.DataFrame, quantities: Sequence[str] = SHOWN, all_c
             Shown("yade_mean", in_unit="quantity"),
             Shown("liggghts_beds", "beds", text=lambda row: f"{row.liggghts_beds}, {row.yade_beds}"),
             Shown("difference_ratio", digits=2),
-            Shown("low_ratio", "95 % interval, %", text=interval),
+            between("low_ratio", "high_ratio", "95 % interval", digits=2),
             Shown("state", "verdict", text=state_chip, number=False),
         ],
     )
-
-
-def interval(row) -> str:
-    """95 % interval of a difference, %."""
-    if not math.isfinite(row.low_ratio):
-        return "–"
-    return f"{number(row.low_ratio, 2, 100)} to {number(row.high_ratio, 2, 100)}"
 
 
 def state_chip(row) -> Chip:
@@ -123,18 +116,28 @@ def pair_names(pair: same_bed.Pair) -> tuple[str, str]:
     return tuple(CODE_NAMES.get(run.code, run.code) + what(run) for run in (pair.one, pair.other))
 
 
-def pairs_table(found: Sequence[same_bed.Pair], title: str) -> Table:
+def pairs_table(found: Sequence[same_bed.Pair], title: str) -> Table | None:
     """Settlement of pairs from one bed, a row per cycle, the pairs beside each other."""
-    _, unit, factor = label_of_column("settlement_m")
-    table = Table(f"Settlement from the same bed, {unit}: {title}", [Column("settlement")])
-    by_cycle: dict[int, dict[int, list[str]]] = {}
+    beside = pd.concat(
+        [same_bed.settlements(pair).set_index("cycle").add_suffix(f"_{n}") for n, pair in enumerate(found)], axis=1
+    )
+    columns = [Shown("cycle", "settlement", text=when, number=False)]
     for n, pair in enumerate(found):
-        table.columns += [*(Column(name, True) for name in pair_names(pair)), Column("difference, %", True)]
-        for row in same_bed.settlements(pair).itertuples():
-            both = [number(value, 3, factor) for value in (row.one_m, row.other_m)]
-            by_cycle.setdefault(row.cycle, {})[n] = [*both, number(row.difference_ratio, 2, 100)]
-    for cycle, cells in sorted(by_cycle.items()):
-        name = f"after {plural(cycle, 'cycle')}" if cycle else "in preload"
-        table.rows.append([name, *(text for n in range(len(found)) for text in cells.get(n, ["–"] * 3))])
-    table.note = "Runs: " + "; ".join(f"{pair.one.id} and {pair.other.id}" for pair in found) + "."
-    return table
+        one, other = pair_names(pair)
+        columns += [
+            Shown(f"one_m_{n}", one, like="settlement_m", bare=True),
+            Shown(f"other_m_{n}", other, like="settlement_m", bare=True),
+            Shown(f"difference_ratio_{n}", like="difference_ratio", digits=2),
+        ]
+    _, unit, _ = label_of_column("settlement_m")
+    return frame_table(
+        beside.sort_index().reset_index(),
+        f"Settlement from the same bed, {unit}: {title}",
+        columns,
+        "Runs: " + "; ".join(f"{pair.one.id} and {pair.other.id}" for pair in found) + ".",
+    )
+
+
+def when(row) -> str:
+    """The row of a cycle, or of preload."""
+    return f"after {plural(int(row.cycle), 'cycle')}" if row.cycle else "in preload"

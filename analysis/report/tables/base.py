@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -58,14 +59,6 @@ def shown(value) -> str:
     return str(value) if value != "" else "–"
 
 
-def interval(fit, name: str, factor: float) -> str:
-    """A fitted parameter with its confidence interval."""
-    if fit is None:
-        return "–"
-    low, high = fit.intervals[name]
-    return f"{number(fit.values[name], 3, factor)} ({number(low, 3, factor)} to {number(high, 3, factor)})"
-
-
 def heading_of(name: str) -> str:
     """Label of a quantity or of a finding's column, with the unit that it is shown in."""
     label, unit, _ = label_of_column(name)
@@ -107,7 +100,8 @@ class Shown:
     digits   significant digits of a number
     like     registered name whose label and unit the column has
     in_unit  column that names the quantity, whose unit the row's number has
-    text     makes the cell from the row; `label` is then the whole heading
+    bare     the caption says the unit
+    text     makes the cell from the row
     """
 
     name: str
@@ -115,6 +109,7 @@ class Shown:
     digits: int = 3
     like: str = ""
     in_unit: str = ""
+    bare: bool = False
     text: Callable[[Any], str | Chip | Link] | None = None
     number: bool = True
     wide: bool = False
@@ -122,11 +117,11 @@ class Shown:
     @property
     def column(self) -> Column:
         """The heading."""
-        if self.text:
-            return Column(self.label, self.number, self.wide)
         label, unit, _ = label_of_column(self.like or self.name)
-        unit = "" if self.in_unit or self.name in (*COUNTS, *WORDS) else unit
-        return Column(", ".join(filter(None, (self.label or label, unit))), self.name not in WORDS, self.wide)
+        if self.bare or self.in_unit or not self.number or self.name in (*COUNTS, *WORDS):
+            unit = ""
+        heading = ", ".join(filter(None, (self.label or label, unit)))
+        return Column(heading, self.number and self.name not in WORDS, self.wide)
 
     def cell(self, row) -> str | Chip | Link:
         """What stands in the row of a frame, a named tuple."""
@@ -135,10 +130,23 @@ class Shown:
         value = getattr(row, self.name)
         if self.name in WORDS:
             return WORDS[self.name](value)
+        if not self.number:
+            return str(value) if value == value and value != "" else "–"
         if self.name in COUNTS:
             return str(int(value)) if value == value else "–"
         known = getattr(row, self.in_unit) if self.in_unit else self.like or self.name
         return number(value, self.digits, label_of_column(known)[2])
+
+
+def between(low: str, high: str, label: str, digits: int = 3, word: str = " to ") -> Shown:
+    """A column that tells a range: the values of two columns of the frame, of one unit, in a cell."""
+    factor = label_of_column(low)[2]
+
+    def text(row) -> str:
+        ends = getattr(row, low), getattr(row, high)
+        return word.join(number(end, digits, factor) for end in ends) if all(map(math.isfinite, ends)) else "–"
+
+    return Shown(low, label, text=text)
 
 
 def frame_table(frame: pd.DataFrame, caption: str, columns: Sequence[str | Shown], note: str = "") -> Table | None:

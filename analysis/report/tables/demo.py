@@ -40,7 +40,6 @@ def outcome_table(made: Iterable[DemoOutcome]) -> Table | None:
 def beside_table(rows: Iterable[Beside]) -> Table | None:
     """How the demo bed settles beside the full one, over the packed beds of both."""
     fields = ("scenario", "reading", "cycle", "demo_m", "full_m", "demo_plates_m", "full_plates_m", "ratio", "alike")
-    unit = SETTLEMENT.shown_unit
     return frame_table(
         pd.DataFrame([{name: getattr(row, name) for name in fields} for row in rows]),
         f"The demo bed beside the full bed, LIGGGHTS: {SETTLEMENT.label}",
@@ -48,8 +47,8 @@ def beside_table(rows: Iterable[Beside]) -> Table | None:
             "scenario",
             "reading",
             "cycle",
-            Shown("demo_m", f"demo bed, {unit}", text=lambda row: over_beds(row.demo_m)),
-            Shown("full_m", f"full bed, {unit}", text=lambda row: over_beds(row.full_m)),
+            Shown("demo_m", "demo bed", text=lambda row: over_beds(row.demo_m)),
+            Shown("full_m", "full bed", text=lambda row: over_beds(row.full_m)),
             Shown("ratio", "demo over full"),
             Shown("alike", f"within a factor of {ALIKE_FACTOR:g}", text=alike_chip, number=False),
             Shown("demo_plates_m", "plates outward, demo", digits=2),

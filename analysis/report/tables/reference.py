@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+import functools
 
 import pandas as pd
 
-from analysis.comparison import settlement_fits
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison import against_published
 from analysis.comparison.restitution import restitution_table
-from analysis.normalised.readers import Run
-from analysis.report.labels import MODE_NAMES, SOURCE_NAMES
-from analysis.report.report_data import name_of
-from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, interval, label_of_column, run_of
+from analysis.normalised.readers import Runs
+from analysis.reference.curves import References
+from analysis.report.labels import MODE_NAMES, PUBLICATION_NAMES
+from analysis.report.tables.base import Chip, Shown, Table, frame_table, label_of_column, number, run_of
 
 
 def curve_of(row) -> str:
     """The reference curve of a row."""
-    return f"{SOURCE_NAMES.get(row.source, row.source)}: {row.curve}"
+    return f"{PUBLICATION_NAMES.get(row.source, row.source)}: {row.curve}"
 
 
 NAMES = (
     Shown("run", "run", text=run_of, number=False),
     Shown("curve", "reference", text=curve_of, number=False),
 )
+
+
+def reference_tables(runs: Runs, references: References) -> list[Table | None]:
+    """Where the reference curves come from, and how runs compare with them."""
+    return [
+        sources_table(references.sources),
+        reference_scores(against_published.reference_table(runs, references)),
+        lateral_scores(against_published.lateral_reference_table(runs, references)),
+    ]
 
 
 def reference_scores(rows: pd.DataFrame) -> Table | None:
@@ -70,14 +77,14 @@ def sources_table(rows: pd.DataFrame) -> Table | None:
         rows,
         "Where the reference curves come from",
         [
-            Shown("sidecar", "file", text=lambda row: row.sidecar, number=False),
+            Shown("sidecar", "file", number=False),
             Shown("status", "status", text=status, number=False),
             Shown("curves", "curves", text=lambda row: f"{row.digitised} of {row.curves}"),
-            Shown("points", "points", text=lambda row: str(row.points or "–")),
-            Shown("error", "error", text=lambda row: row.error or "–", number=False),
+            Shown("points", text=lambda row: str(row.points or "–")),
+            Shown("error", number=False),
             Shown("digitised_by", "digitised by", text=digitiser, number=False),
-            Shown("method", "how", text=lambda row: row.method or "–", number=False, wide=True),
-            Shown("licence", "licence", text=lambda row: row.licence, number=False, wide=True),
+            Shown("method", "how", number=False, wide=True),
+            Shown("licence", number=False, wide=True),
         ],
         "The sidecars in reference_data/published say more; each page of the report takes these points and no others.",
     )
@@ -93,38 +100,61 @@ def digitiser(row) -> str:
     return f"{row.digitised_by}, {row.date}" if row.digitised_by else "–"
 
 
-def law_table(runs: Iterable[Run]) -> Table | None:
-    """Which law describes each settlement curve, and whether it has the exponential start."""
-    fitted = [(name, *label_of_column(f"exponential_{name}")[1:]) for name in ("b", "c", "d")]
-    columns = [Column("run"), Column("cycles", True), Column("best law"), Column("exponential start")]
-    columns += [*(Column(f"{name}, {unit or 'cycles'}", True) for name, unit, _ in fitted), Column("why", wide=True)]
-    rows = []
-    for run in runs:
-        choice = settlement_fits.choose(run.cycles["cycle"], run.cycles["settlement_m"])
-        fit = choice.fits.get("exponential")
-        start = Chip(choice.exponential_start, {"yes": "good", "no": "bad"}.get(choice.exponential_start, "open"))
-        cells = [interval(fit, name, factor) for name, _, factor in fitted]
-        rows.append([name_of(run), str(last_cycle(run)), choice.best or "–", start, *cells, choice.reason])
-    title = (
+def law_table(laws: pd.DataFrame) -> Table | None:
+    """Which law describes each settlement curve, and whether it has the exponential start.
+
+    laws   `Findings.settlement_laws`
+    """
+    return frame_table(
+        laws,
         "Does settlement start exponentially? S = a + b (1 − exp(−N/c)) + d N against a logarithm, a power law and a "
-        "straight line"
-    )
-    note = (
-        "Chosen by the Bayesian information criterion; brackets: 95 % confidence intervals of the exponential law, "
-        "whichever law is best."
-    )
-    return Table(title, columns, rows, note) if rows else None
-
-
-def restitution_rows() -> Table:
-    """Nominal against effective restitution at the paper's values of e_n."""
-    table = restitution_table().set_index(["damping_mode", "nominal_restitution"])
-    values = table["effective_restitution"].unstack()
-    return Table(
-        "What comes out of a free impact at the paper's nominal restitutions",
-        [Column("damping mode"), *(Column(f"eₙ = {e:g}", True) for e in values)],
+        "straight line",
         [
-            [f"Md {mode}, {MODE_NAMES[mode]}", *("–" if math.isnan(v) else f"{v:.4f}" for v in row)]
-            for mode, row in zip(values.index, values.to_numpy(), strict=True)
+            Shown("run", "run", text=run_of, number=False),
+            "cycles",
+            Shown("best", "best law", number=False),
+            Shown("exponential_start", text=start_chip, number=False),
+            *(
+                Shown(f"exponential_{name}", label, text=functools.partial(with_interval, f"exponential_{name}"))
+                for name, label in (("b", "b"), ("c", "c, cycles"), ("d", "d"))
+            ),
+            Shown("reason", "why", number=False, wide=True),
+        ],
+        "Chosen by the Bayesian information criterion; brackets: 95 % confidence intervals of the exponential law, "
+        "whichever law is best.",
+    )
+
+
+def start_chip(row) -> Chip:
+    """Whether settlement starts exponentially."""
+    return Chip(row.exponential_start, {"yes": "good", "no": "bad"}.get(row.exponential_start, "open"))
+
+
+def with_interval(name: str, row) -> str:
+    """A fitted parameter with its confidence interval."""
+    ends = (getattr(row, name), getattr(row, f"{name}_low"), getattr(row, f"{name}_high"))
+    value, low, high = (number(end, 3, label_of_column(name)[2]) for end in ends)
+    return "–" if ends[0] != ends[0] else f"{value} ({low} to {high})"
+
+
+def mode_of(row) -> str:
+    """The damping mode of a row, in words."""
+    return f"Md {row.damping_mode}, {MODE_NAMES[row.damping_mode]}"
+
+
+def restitution_rows() -> Table | None:
+    """Nominal against effective restitution at the paper's values of e_n."""
+    table = restitution_table()
+    wide = table.pivot(index="damping_mode", columns="nominal_restitution", values="effective_restitution")
+    nominal = list(wide)
+    wide.columns = [f"out_{n}" for n in range(len(nominal))]
+    return frame_table(
+        wide.reset_index(),
+        "What comes out of a free impact at the paper's nominal restitutions",
+        [
+            Shown(
+                "damping_mode", text=lambda row: f"Md {row.damping_mode}, {MODE_NAMES[row.damping_mode]}", number=False
+            ),
+            *(Shown(f"out_{n}", f"eₙ = {e:g}", digits=4) for n, e in enumerate(nominal)),
         ],
     )

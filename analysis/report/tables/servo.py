@@ -7,7 +7,7 @@ import pandas as pd
 from analysis.report.labels import KPA, short_name
 from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Shown, Table, frame_table, number
+from analysis.report.tables.base import Shown, Table, between, frame_table, number
 
 
 def servo_table(table: pd.DataFrame) -> Table | None:
@@ -19,7 +19,7 @@ def servo_table(table: pd.DataFrame) -> Table | None:
             Shown("run", "run", text=name_with_bed, number=False),
             Shown("gain", digits=2),
             Shown("cycle", "cycles"),
-            Shown("stress_min_Pa", "stress, kPa", text=stress_range),
+            between("stress_min_Pa", "stress_max_Pa", "stress"),
             Shown("bed_stiffness_N_m", digits=2),
             Shown("bed_loss_angle_rad", digits=2),
             "contacts",
@@ -36,11 +36,6 @@ def name_with_bed(row) -> str:
     """Scenario with its variants, code and packed bed of a row."""
     identity = "+".join(filter(None, (row.scenario, row.variant)))
     return f"{short_name(identity)}, {CODE_NAMES[row.code]}, bed {row.seed}"
-
-
-def stress_range(row) -> str:
-    """Least to largest stress of a row, kPa."""
-    return f"{number(row.stress_min_Pa, 3, KPA)} to {number(row.stress_max_Pa, 3, KPA)}"
 
 
 def elastic_table(table: pd.DataFrame) -> Table | None:

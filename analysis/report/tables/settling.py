@@ -2,37 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+import math
 
-import numpy as np
 import pandas as pd
 
 from analysis.comparison import quantities
 from analysis.comparison.findings.members import SERVO
-from analysis.normalised.readers import Run
-from analysis.report.labels import READING_NAMES, short_name
-from analysis.report.report_data import name_of
-from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import Chip, Column, Shown, Table, frame_table, label_of_column, number, unbroken
+from analysis.formats.numbers import plural
+from analysis.report.tables.base import Chip, Shown, Table, frame_table, heading_of, label_of_column, number, run_of
 
 TREND_KIND = {"slowing": "good", "steady": "open", "growing": "bad"}
-RATE_FACTOR = 1e6
-"""Rates are told in µm per cycle."""
-
-PREPARED = (
-    ("clumps", "packing"),
-    ("porosity_mean", "packing"),
-    ("coordination_number", "packing"),
-    ("overlap_mean_m", "packing"),
-    ("overlap_max_ratio", "packing"),
-    ("porosity_1", "preload"),
-    ("porosity_2", "preload"),
-    ("porosity_3", "preload"),
-    ("coordination_number", "preload"),
-    ("preload_settlement_m", "preload"),
+BED = (
+    "packed_clumps",
+    "packed_porosity_mean",
+    "packed_coordination_number",
+    "packed_overlap_mean_m",
+    "packed_overlap_max_ratio",
+    "preloaded_porosity_1",
+    "preloaded_porosity_2",
+    "preloaded_porosity_3",
+    "preloaded_coordination_number",
+    "preload_settlement_m",
 )
-"""Quantities of stages.json and the stage after which they are told."""
-STAGE_WORDS = {"packing": "packed", "preload": "preloaded"}
+"""What is told of a bed."""
 
 
 def rates_table(rates: pd.DataFrame) -> Table | None:
@@ -45,58 +38,80 @@ def rates_table(rates: pd.DataFrame) -> Table | None:
     if len(ends) < 3:
         return None
     starts = dict(zip(quantities.RATE_EDGES[1:], quantities.RATE_EDGES, strict=False))
-    shared = rates.groupby(["scenario", "reading", "run"])["last_cycle"].max().groupby(["scenario", "reading"]).min()
-    head = [Column("scenario"), Column("load"), Column("code"), *(Column(f"{starts[b]} to {b}", True) for b in ends)]
-    tail = [Column("plates", True), Column("heave of cribs", True), Column("trend"), Column("at equal cycles")]
-    rows = [
-        [unbroken(short_name(scenario)), unbroken(READING_NAMES[reading]), CODE_NAMES.get(code, code)]
-        + rate_cells(spans, ends, shared[scenario, reading])
-        for (scenario, reading, code), spans in rates.groupby(["scenario", "reading", "code"], sort=False)
-    ]
-    title = "Settlement at minimum load per cycle, µm, in spans of cycles; first packed bed of each code"
-    return Table(title, [*head, *tail], rows)
+    spans = [Shown(f"to_{end}", f"{starts[end]} to {end}", like="settlement_rate_m", bare=True) for end in ends]
+    return frame_table(
+        last_spans(rates),
+        f"{heading_of('settlement_rate_m').capitalize()}, in spans of cycles; first packed bed of each code",
+        [
+            "scenario",
+            "reading",
+            "code",
+            *spans,
+            Shown("lateral_rate_m", "plates", bare=True),
+            Shown("crib_heave_rate_m", "heave of cribs", bare=True),
+            Shown("trend", text=trend_chip, number=False),
+            Shown("common_trend", "at equal cycles", text=common_trend, number=False),
+        ],
+    )
 
 
-def rate_cells(spans: pd.DataFrame, ends: list[int], common: float) -> list[str | Chip]:
-    """The cells of one run: its rates in the spans that end at `ends`, and its trend, also at the cycle `common`."""
-    by_end, last = spans.set_index("last_cycle"), spans.iloc[-1]
-    trend = Chip("too short", "calm")
-    if last["trend"]:
-        trend = Chip(f"{last['trend']} to {last['last_cycle']:.0f}", TREND_KIND[last["trend"]])
-    return [
-        *(number(by_end["settlement_rate_m"].get(b, np.nan), 3, RATE_FACTOR) for b in ends),
-        *(number(last[f"{what}_rate_m"], 3, RATE_FACTOR) for what in ("lateral", "crib_heave")),
-        trend,
-        f"{by_end['trend'].get(common, '') or 'too short'} to {common:.0f}",
-    ]
+def last_spans(rates: pd.DataFrame) -> pd.DataFrame:
+    """The last span of each run with its rates in all spans (`to_` their last cycle), and the trend at the last span
+    that every run of the scenario and reading has.
+    """
+    keys = ["scenario", "reading", "code"]
+    last = rates.groupby(keys, sort=False).tail(1)
+    common = rates.groupby([*keys[:2], "run"])["last_cycle"].max().groupby(keys[:2]).min().rename("common")
+    wide = rates.pivot(index=keys, columns="last_cycle", values="settlement_rate_m").add_prefix("to_")
+    trends = rates[[*keys, "last_cycle", "trend"]].rename(columns={"last_cycle": "common", "trend": "common_trend"})
+    return last.join(common, on=keys[:2]).join(wide, on=keys).merge(trends, on=[*keys, "common"], how="left")
 
 
-def beds_table(runs: Iterable[Run]) -> Table | None:
-    """Packed and preloaded beds of all runs, and their spread where a code has several seeds."""
-    runs = [run for run in runs if run.stages]
-    if not runs:
+def trend_chip(row) -> Chip:
+    """Whether settling slows down, up to the last span."""
+    return (
+        Chip(f"{row.trend} to {row.last_cycle:.0f}", TREND_KIND[row.trend]) if row.trend else Chip("too short", "calm")
+    )
+
+
+def common_trend(row) -> str:
+    """The trend up to the last span that every code has."""
+    known = isinstance(row.common_trend, str) and row.common_trend
+    return f"{known or 'too short'} to {row.common:.0f}"
+
+
+def beds_table(beds: pd.DataFrame) -> Table | None:
+    """Packed and preloaded beds, and their spread where a code has several seeds.
+
+    beds   `Findings.packed_beds`
+    """
+    if beds.empty:
         return None
-    columns = []
-    for name, stage in PREPARED:
-        label, unit, _ = label_of_column(name)
-        when = "" if name.startswith(stage) else STAGE_WORDS[stage]
-        columns.append(Column(", ".join(filter(None, (label, when, unit))), True))
-    table = Table("Packed and preloaded beds", [Column("run"), *columns])
-    groups: dict[tuple, list[list[float]]] = {}
-    for run in runs:
-        values = [
-            label_of_column(name)[2] * run.stages.get(stage, {}).get(name.removeprefix(f"{stage}_"), np.nan)
-            for name, stage in PREPARED
-        ]
-        table.rows.append([name_of(run), *(number(value, 4) for value in values)])
-        groups.setdefault((run.scenario_name, run.code), []).append(values)
-    for (scenario, code), values in groups.items():
-        if len(values) > 1:
-            mean, spread = np.mean(values, axis=0), np.std(values, axis=0, ddof=1)
-            name = f"{short_name(scenario)}, {CODE_NAMES.get(code, code)}: mean ± standard deviation of"
-            cells = (f"{number(m, 4)} ± {number(d, 2)}" for m, d in zip(mean, spread, strict=True))
-            table.rows.append([f"{name} {len(values)} seeds", *cells])
-    return table
+    groups = beds.groupby(["profile", "scenario", "variant", "code"], sort=False)
+    means = groups[list(BED)].mean().assign(count_=groups.size()).join(groups[list(BED)].std().add_suffix("_deviation"))
+    several = means[means["count_"] > 1].reset_index().assign(seed=1)
+    return frame_table(
+        pd.concat([beds, several], ignore_index=True),
+        "Packed and preloaded beds",
+        [
+            Shown("run", "run", text=bed_or_mean, number=False),
+            *(Shown(name, text=functools.partial(with_deviation, name)) for name in BED),
+        ],
+    )
+
+
+def bed_or_mean(row) -> str:
+    """The run of a row, or what its mean is over."""
+    if row.run == row.run:
+        return run_of(row)
+    return f"{run_of(row)}: mean ± standard deviation of {plural(int(row.count_), 'seed')}"
+
+
+def with_deviation(name: str, row) -> str:
+    """The value of a quantity in a row, with its standard deviation where the row is a mean."""
+    factor, deviation = label_of_column(name)[2], getattr(row, f"{name}_deviation", math.nan)
+    text = number(getattr(row, name), 4, factor)
+    return text if deviation != deviation else f"{text} ± {number(deviation, 2, factor)}"
 
 
 def cost_table(rows: pd.DataFrame) -> Table | None:

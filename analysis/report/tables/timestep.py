@@ -63,11 +63,11 @@ def spread_table(table: pd.DataFrame) -> Table | None:
         rows.append({"scenario": scenario} | ratios)
     return frame_table(
         pd.DataFrame(rows),
-        f"By how much settlement after {plural(int(table['cycle'].max()), 'cycle')} varies, %",
+        f"By how much settlement after {plural(int(table['cycle'].max()), 'cycle')} varies",
         [
             "scenario",
             *(
-                Shown(f"{name}_ratio", label, text=lambda row, key=f"{name}_ratio": number(getattr(row, key), 2, 100))
+                Shown(f"{name}_ratio", label, digits=2)
                 for name, label in (
                     ("steps", "over all time steps"),
                     ("beds", "over packed beds"),
@@ -100,7 +100,7 @@ def runs_table(table: pd.DataFrame) -> Table | None:
             Shown("bed", "bed", text=lambda row: row.bed if row.done else "–", number=False),
             Shown("cycle", "cycle", text=lambda row: str(int(row.cycle)) if row.done else "–"),
             "settlement_m",
-            Shown("lateral_1_m", "plates 1 to 5, mm", text=lambda row: in_a_row(row, "lateral_{}_m", PLATES, 2)),
+            Shown("lateral_1_m", "plates 1 to 5", text=lambda row: in_a_row(row, "lateral_{}_m", PLATES, 2)),
             Shown("porosity_1", "porosity 1 to 3", text=lambda row: in_a_row(row, "porosity_{}", SPHERES, 3)),
             Shown("kinetic_energy_J", digits=2),
             "sleeper_work_J",

@@ -9,7 +9,7 @@ import numpy as np
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
 from analysis.verification.cases.base import Account, ProbedCase
-from analysis.verification.probes import BLOCK_M, Ball, Probe, Trajectory, with_values
+from analysis.verification.probes import BLOCK_M, Ball, Probe, Trajectory
 from analysis.verification.results import Results
 
 OVERLAP = 1e-6  # m
@@ -25,7 +25,7 @@ def nearest(place: np.ndarray) -> np.ndarray:
     return np.clip(place, -HALF, HALF)
 
 
-class Blocks(ProbedCase):
+class BlockContacts(ProbedCase):
     """Case: one contact per sphere and block, at the nearest point of it, on a face, an edge or a corner.
 
     Expected at rest: stiffness x overlap along the line to the nearest point. Around an edge, without slip: a shear
@@ -52,7 +52,8 @@ class Blocks(ProbedCase):
         self.normal_stiffness = base["contact.particle_wall.normal_stiffness"]
         self.shear_stiffness = base["contact.particle_wall.shear_stiffness"]
         smooth, rough = (
-            with_values(base, f"block-{friction}", contact__particle_wall__friction=friction) for friction in (0.0, 1e5)
+            base.with_values({"contact.particle_wall.friction": friction}, f"block-{friction}")
+            for friction in (0.0, 1e5)
         )
         self.places = self._places()
         self._probes = {
@@ -149,4 +150,4 @@ class Blocks(ProbedCase):
         )
 
 
-CASES = (Blocks,)
+CASES = (BlockContacts,)

@@ -6,31 +6,34 @@ import math
 
 import numpy as np
 
+from analysis import bond_law
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import bond_oracle, oracle
 from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.cases.clumps import Motion
-from analysis.verification.probes import Ball, ClumpAt, Probe, Trajectory, with_values
+from analysis.verification.probes import Ball, ClumpAt, Probe, Trajectory
 from analysis.verification.results import Results
 
 HELD_MASS = 1e12
 OVERLAP = 1e-12
 """Spheres must touch to be bonded, m: too little to be felt (0.1 mN)."""
+STRONG = {"contact.bond.normal_strength": 1e9, "contact.bond.shear_strength": 1e9}
+"""Bonds that never break."""
 
 
-def bonded(name: str, **values) -> Scenario:
+def bonded(name: str, values: dict[str, float] | None = None) -> Scenario:
     """Linear contacts with bonds that are as stiff in shear as along the normal, so that every way of breaking is near.
 
     Strengths are a tenth of Table 3's.
     """
     chosen = {
-        "contact__bond__model": "parallel",
-        "contact__bond__shear_stiffness": 4e9,
-        "contact__bond__normal_strength": 3e6,
-        "contact__bond__shear_strength": 3e6,
+        "contact.bond.model": "parallel",
+        "contact.bond.shear_stiffness": 4e9,
+        "contact.bond.normal_strength": 3e6,
+        "contact.bond.shear_strength": 3e6,
     }
-    return with_values(load_scenario("linear-mu0.8"), name, **(chosen | values))
+    return load_scenario("linear-mu0.8").with_values(chosen | (values or {}), name)
 
 
 def contact_law(scenario: Scenario) -> oracle.Linear:
@@ -64,7 +67,6 @@ class BondPaths(ProbedCase):
         n, t = self.STEPS, self.STEPS * self.STEP
         pull, turn = limit / t, limit / self.radius / t
         none = (0.0, 0.0, 0.0)
-        strong = {"contact__bond__normal_strength": 1e9, "contact__bond__shear_strength": 1e9}
         # name: scenario, radius of the held sphere over that of the moved one, [(velocity, spin, steps)]
         self._entries = {
             "pulled": (bonded("pulled"), 1.0, [((0, 0, pull), none, int(1.1 * n))]),
@@ -77,7 +79,7 @@ class BondPaths(ProbedCase):
                 [((0, 0, pull), none, n // 2), ((turn * self.radius, 0, 0), (0, turn, 0), n)],
             ),
             "all ways": (
-                bonded("all-ways", **strong),
+                bonded("all-ways", STRONG),
                 1.6,
                 [
                     ((0, 0, 0.4 * pull), none, n // 4),
@@ -87,7 +89,7 @@ class BondPaths(ProbedCase):
                 ],
             ),
             "broken": (
-                bonded("broken", contact__bond__normal_strength=3e5),
+                bonded("broken", {"contact.bond.normal_strength": 3e5}),
                 1.0,
                 [
                     ((0, 0, 0.2 * pull), none, n),
@@ -154,30 +156,13 @@ class BondPaths(ProbedCase):
     def _judge(self, name: str, found: Trajectory, results: Results) -> None:
         expected, steps = self.loads(name), self._probes[name].steps
         force, torque, holds = found.force[1 : steps + 1, 0], found.torque[1 : steps + 1, 0], found.bonds[1:] > 0
-        tolerance, reason = 1e-4, "oracle step by step"
         first = expected.broken_at if expected.broken_at >= 0 else steps
         broke = int(np.argmin(holds)) if not holds.all() else steps
         # between the two moments at which oracle and engine break, nothing can be compared
         alike = np.ones(steps, bool)
         alike[min(first, broke) : max(first, broke) + (2 if first != steps else 0)] = False
-        pick = np.flatnonzero(alike)
         for what, mine, theirs in (("force_N", expected.force, force), ("torque_Nm", expected.torque, torque)):
-            # without a load in this way: what a ten-thousandth of the load at which a bond breaks would be
-            law = derived.bond(self._entries[name][0])
-            scale = max(
-                np.abs(mine).max(),
-                1e-4 * law.normal_stiffness * law.area * 7.5e-4 * (1.0 if what == "force_N" else law.radius),
-            )
-            worst = np.unravel_index(np.argmax(np.abs(theirs - mine)[pick]), (len(pick), 3))
-            results.compare(
-                self.name,
-                f"{what} of {name}",
-                mine[pick][worst],
-                theirs[pick][worst],
-                tolerance,
-                f"worst component of the whole path, in relation to the greatest; {reason}",
-                scale=scale,
-            )
+            self._judge_path(name, what, mine, theirs, np.flatnonzero(alike), results)
         results.compare(self.name, f"bonds at the start of {name}", 1, found.bonds[0], 0.0, "spheres that touch")
         if first == steps:
             results.compare(self.name, f"bonds at the end of {name}", 1, found.bonds[-1], 0.0, "strong enough")
@@ -198,6 +183,25 @@ class BondPaths(ProbedCase):
             force_N_expected=np.linalg.norm(expected.force[pick], axis=1),
             torque_Nm=np.linalg.norm(torque[pick], axis=1),
             torque_Nm_expected=np.linalg.norm(expected.torque[pick], axis=1),
+        )
+
+    def _judge_path(self, name: str, what: str, mine, theirs, pick: np.ndarray, results: Results) -> None:
+        """Force or torque (steps, 3) at the steps `pick` of the path; `mine` is the oracle's."""
+        # without a load in this way: what a ten-thousandth of the load at which a bond breaks would be
+        law = derived.bond(self._entries[name][0])
+        scale = max(
+            np.abs(mine).max(),
+            1e-4 * law.normal_stiffness * law.area * 7.5e-4 * (1.0 if what == "force_N" else law.radius),
+        )
+        worst = np.unravel_index(np.argmax(np.abs(theirs - mine)[pick]), (len(pick), 3))
+        results.compare(
+            self.name,
+            f"{what} of {name}",
+            mine[pick][worst],
+            theirs[pick][worst],
+            1e-4,
+            "worst component of the whole path, in relation to the greatest; oracle step by step",
+            scale=scale,
         )
 
     def _judge_load(self, name, expected, force, torque, broke, late, results: Results) -> None:
@@ -224,7 +228,7 @@ class BondPaths(ProbedCase):
             results.compare(self.name, f"load at which it breaks, {name}", strength, measured, tolerance, note)
 
 
-class Cantilever(ProbedCase):
+class BondCantilever(ProbedCase):
     """Ten bonded spheres in a row, the first held, under a weight that acts of a sudden: the tip swings about its rest.
 
     Expected: the same row as a linear system with deflection and rotation of each sphere, all modes; and beam theory.
@@ -243,7 +247,7 @@ class Cantilever(ProbedCase):
 
     def __init__(self, code: str):
         super().__init__(code)
-        self.scenario = bonded("cantilever", contact__bond__normal_strength=1e9, contact__bond__shear_strength=1e9)
+        self.scenario = bonded("cantilever", STRONG)
         self.radius = derived.clump(self.scenario).radius_m
         self.length = 2 * self.radius - OVERLAP
         balls = tuple(
@@ -287,19 +291,10 @@ class Cantilever(ProbedCase):
             0.01,
             "at rest, the same system; mean over whole periods of the first mode",
         )
-        bend, slide = law.normal_stiffness * law.moment_of_inertia, law.shear_stiffness * law.area
-        weight = self.MASS * self.GRAVITY
-        theory = bond_oracle.beam_deflection(
-            bend * self.length,
-            slide * self.length,
-            (self.COUNT - 1) * self.length,
-            weight / self.length,
-            weight / 2,
-        )
         results.compare(
             self.name,
             "mean tip deflection_m against beam theory",
-            theory,
+            self._by_beam_theory(law),
             tip[whole].mean(),
             0.01,
             "Timoshenko's cantilever under an even load, and half a sphere's weight that hangs over the tip",
@@ -314,8 +309,15 @@ class Cantilever(ProbedCase):
             tip_deflection_m_expected=moving[pick, -1],
         )
 
+    def _by_beam_theory(self, law: bond_law.Bond) -> float:
+        """Deflection of the tip at rest, m, by Timoshenko's beam."""
+        bend, slide = law.normal_stiffness * law.moment_of_inertia, law.shear_stiffness * law.area
+        weight, span = self.MASS * self.GRAVITY, (self.COUNT - 1) * self.length
+        stiffnesses = (bend * self.length, slide * self.length)
+        return bond_oracle.beam_deflection(*stiffnesses, span, weight / self.length, weight / 2)
 
-class Energy(ProbedCase):
+
+class BondEnergy(ProbedCase):
     """A free bonded pair that stretches, shears, bends and twists: energy, momentum and angular momentum are kept.
 
     The bond's energy is the oracle's, along the motion that the engine found.
@@ -334,12 +336,7 @@ class Energy(ProbedCase):
 
     def __init__(self, code: str):
         super().__init__(code)
-        self.scenario = bonded(
-            "energy",
-            contact__particle_particle__friction=0.0,
-            contact__bond__normal_strength=1e9,
-            contact__bond__shear_strength=1e9,
-        )
+        self.scenario = bonded("energy", STRONG | {"contact.particle_particle.friction": 0.0})
         self.radius = derived.clump(self.scenario).radius_m
         self.inertia = 0.4 * self.MASS * self.radius**2
         half = self.radius - OVERLAP / 2
@@ -389,11 +386,23 @@ class Energy(ProbedCase):
             0.0,
             "more than a fifth at times",
         )
+        self._judge_momenta(rows.position[1:-1], velocity, spin, results)
+        results.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
+        pick = slice(None, None, 50)
+        results.curve(
+            self.name,
+            "total",
+            time_s=rows.time[1:-1][pick],
+            energy_J=total[pick],
+            energy_J_expected=np.full(len(total[pick]), start),
+        )
+
+    def _judge_momenta(self, place: np.ndarray, velocity: np.ndarray, spin: np.ndarray, results: Results) -> None:
+        """Momentum and angular momentum stay; arrays are (rows, balls, 3)."""
         momentum, spin_start = np.zeros(3), np.zeros(3)
         for ball in self._probe.balls:
             momentum += self.MASS * np.array(ball.velocity)
             spin_start += self.MASS * np.cross(ball.position, ball.velocity) + self.inertia * np.array(ball.spin)
-        place = rows.position[1:-1]
         angular = (self.MASS * np.cross(place, velocity) + self.inertia * spin).sum(axis=1)
         linear = self.MASS * velocity.sum(axis=1)
         for what, expected, values in (
@@ -410,18 +419,9 @@ class Energy(ProbedCase):
                 "worst component and moment, in relation to its size",
                 scale=np.linalg.norm(expected),
             )
-        results.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
-        pick = slice(None, None, 50)
-        results.curve(
-            self.name,
-            "total",
-            time_s=rows.time[1:-1][pick],
-            energy_J=total[pick],
-            energy_J_expected=np.full(len(total[pick]), start),
-        )
 
 
-class Clumps(ProbedCase):
+class BondsBetweenClumps(ProbedCase):
     """Two clumps that touch at one pair of spheres, one of them on the wall: one bond, none inside them or at the wall.
 
     They part with the bond between them, across a gap: it pulls on both clumps, momentum and angular momentum are kept.
@@ -438,7 +438,7 @@ class Clumps(ProbedCase):
 
     def __init__(self, code: str):
         super().__init__(code)
-        self.scenario = bonded("clumps", contact__bond__normal_strength=1e9, contact__bond__shear_strength=1e9)
+        self.scenario = bonded("clumps", STRONG)
         self.clump = derived.clump(self.scenario)
         reach = self.clump.radius_m + self.clump.half_distance_m
         place = np.array([0.2, 0.2, reach - OVERLAP])
@@ -494,4 +494,4 @@ class Clumps(ProbedCase):
             )
 
 
-CASES = (BondPaths, Cantilever, Energy, Clumps)
+CASES = (BondPaths, BondCantilever, BondEnergy, BondsBetweenClumps)

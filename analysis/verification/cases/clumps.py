@@ -14,7 +14,7 @@ from analysis.verification import oracle
 from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.cases.impacts import own_slip_limit
 from analysis.verification.engine_laws import PAPER, wall_law
-from analysis.verification.probes import ClumpAt, Probe, Trajectory, with_values
+from analysis.verification.probes import ClumpAt, Probe, Trajectory
 from analysis.verification.results import Results
 
 X, Y = 0.2, 0.2
@@ -94,6 +94,14 @@ class FreeRotation(ProbedCase):
                 self.clump.inertia_axial_kgm2 * self.SPIN[2],
             ]
         )
+        self._judge_kept(momentum, motion, results)
+        self._judge_axis(momentum, motion, rows.time, results)
+        for quantity, value in (("contacts", rows.contacts.max()), ("force_N", np.abs(rows.force).max())):
+            between = f"{quantity} between the clump's own spheres"
+            results.compare(self.name, between, 0, value, 0.0, "they overlap, never act")
+
+    def _judge_kept(self, momentum: np.ndarray, motion: Motion, results: Results) -> None:
+        """Energy and angular momentum stay."""
         energy = 0.5 * momentum @ np.array(self.SPIN) + 0.5 * self.clump.mass_kg * (0.1**2 + 0.05**2 + 0.02**2)
         reason = "closed form, 1e5 steps of the scenario"
         results.compare(
@@ -104,7 +112,6 @@ class FreeRotation(ProbedCase):
             self.engine.rotation_tolerance,
             reason + self.engine.rotation_note,
         )
-        size = np.linalg.norm(momentum)
         for k, axis in enumerate("xyz"):
             results.compare(
                 self.name,
@@ -113,9 +120,14 @@ class FreeRotation(ProbedCase):
                 motion.angular_momentum()[-1, 0, k],
                 0.001,
                 reason + "; in relation to its size",
-                scale=size,
+                scale=np.linalg.norm(momentum),
             )
-        expected = precession(motion.axis[1, 0], momentum, self.clump.inertia_transverse_kgm2, rows.time - rows.time[1])
+
+    def _judge_axis(self, momentum: np.ndarray, motion: Motion, time: np.ndarray, results: Results) -> None:
+        """The axis goes round the momentum."""
+        transverse = self.clump.inertia_transverse_kgm2
+        expected = precession(motion.axis[1, 0], momentum, transverse, time - time[1])
+        turns = np.linalg.norm(momentum) / transverse * time[-1] / 2 / math.pi
         for k, axis in enumerate("xyz"):
             results.compare_curves(
                 self.name,
@@ -123,29 +135,13 @@ class FreeRotation(ProbedCase):
                 expected[1:, k],
                 motion.axis[1:, 0, k],
                 0.005,
-                f"closed form over {size / self.clump.inertia_transverse_kgm2 * rows.time[-1] / 2 / math.pi:.1f} turns",
+                f"closed form over {turns:.1f} turns",
             )
-        results.compare(
-            self.name,
-            "contacts between the clump's own spheres",
-            0,
-            rows.contacts.max(),
-            0.0,
-            "they overlap, never act",
-        )
-        results.compare(
-            self.name,
-            "force_N between the clump's own spheres",
-            0,
-            np.abs(rows.force).max(),
-            0.0,
-            "they overlap, never act",
-        )
         pick = slice(1, None, 5)
         results.curve(
             self.name,
             "axis",
-            time_s=rows.time[pick],
+            time_s=time[pick],
             axis_x=motion.axis[pick, 0, 0],
             axis_x_expected=expected[pick, 0],
             axis_z=motion.axis[pick, 0, 2],
@@ -159,7 +155,7 @@ def precession(axis: np.ndarray, momentum: np.ndarray, transverse: float, times:
     return Rotation.from_rotvec(np.outer(size / transverse * times, momentum / size)).apply(axis)
 
 
-class Bounces(ProbedCase):
+class ClumpBounce(ProbedCase):
     """Case 6b: a clump falls obliquely on the wall, with friction, against an integration of the rigid body.
 
     One falls upright, so that the dashpot's mass shows: it is the whole clump's.
@@ -217,21 +213,9 @@ class Bounces(ProbedCase):
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         for name, scenario, probe, start in self._entries:
             rows = found[probe.name]
-            motion = Motion(self.clump, rows)
-            law = wall_law(scenario, self.clump.mass_kg)
-            h, r = self.clump.half_distance_m, self.clump.radius_m
-            body = oracle.Body(self.clump.mass_kg, self.clump.inertia_transverse_kgm2, ((0.0, -h, r), (0.0, h, r)))
-            times, states, _ = oracle.bounce(body, [law, law], start, rows.time[-1], len(rows.time))
-            speed = math.hypot(start[3], start[4])
-            reason = "rigid body integrated by scipy; error in relation to the incoming speed"
-            if self.engine.wall_slip_limit and law.damping_ratio:
-                paper, states = states[-1][3:], own_slip_limit(body, [law, law], start, probe)
-                reason = (
-                    "{}: its own value, {:+.2g}, {:+.2g} m/s and {:+.2g} rad/s from the paper's law".format(
-                        self.engine.wall_slip_limit, *(states[-1][3:] - paper)
-                    )
-                    + "; error in relation to the incoming speed"
-                )
+            motion, law = Motion(self.clump, rows), wall_law(scenario, self.clump.mass_kg)
+            states, reason = self._expected(law, probe, start, rows.time)
+            speed, h = math.hypot(start[3], start[4]), self.clump.half_distance_m
             measured = (motion.velocity[-1, 0, 0], motion.velocity[-1, 0, 2], motion.spin[-1, 0, 1])
             scales = (speed, speed, speed / h)
             for quantity, expected, value, scale in zip(
@@ -260,8 +244,23 @@ class Bounces(ProbedCase):
                 spin_rad_s_expected=states[pick, 5],
             )
 
+    def _expected(self, law: oracle.Linear, probe: Probe, start: tuple, time: np.ndarray) -> tuple[np.ndarray, str]:
+        """States of the rigid body over time by the engine's law, and what is said of them."""
+        h, r = self.clump.half_distance_m, self.clump.radius_m
+        body = oracle.Body(self.clump.mass_kg, self.clump.inertia_transverse_kgm2, ((0.0, -h, r), (0.0, h, r)))
+        _, states, _ = oracle.bounce(body, [law, law], start, time[-1], len(time))
+        scale = "error in relation to the incoming speed"
+        if not (self.engine.wall_slip_limit and law.damping_ratio):
+            return states, f"rigid body integrated by scipy; {scale}"
+        paper, states = states[-1][3:], own_slip_limit(body, [law, law], start, probe)
+        along, down, turning = states[-1][3:] - paper
+        return states, (
+            f"{self.engine.wall_slip_limit}: its own value, {along:+.2g}, {down:+.2g} m/s and {turning:+.2g} rad/s "
+            f"from the paper's law; {scale}"
+        )
 
-class Pairs(ProbedCase):
+
+class ClumpPair(ProbedCase):
     """Case 6c: two clumps meet head-on, end to end: inertia and dashpot have the mass of whole clumps."""
 
     name, title = "clump-pair", "Two clumps meet end to end"
@@ -283,7 +282,7 @@ class Pairs(ProbedCase):
         mass, radius = self.clump.mass_kg / 2, self.clump.radius_m
         self._entries = []
         for name, scenario in (
-            ("linear", with_values(linear, "damped", contact__particle_particle__damping_ratio=0.2)),
+            ("linear", linear.with_values({"contact.particle_particle.damping_ratio": 0.2}, "damped")),
             ("hysteretic", damped),
         ):
             law = self.engine.pair(scenario, mass, contact_laws.effective_radius(radius, radius))
@@ -313,7 +312,7 @@ class Pairs(ProbedCase):
             results.curve(self.name, name, time_s=pick, force_N=force, force_N_expected=expected.force_N[::8])
 
 
-class LoadedColumn(ProbedCase):
+class ColumnEnergy(ProbedCase):
     """Case 8: a column of clumps falls on the floor under gravity.
 
     Without friction and damping its energy stays within 0.5 % over 1e5 steps. With friction the balance closes: energy
@@ -334,9 +333,9 @@ class LoadedColumn(ProbedCase):
         super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         smooth = {
-            "contact__particle_particle__friction": 0.0,
-            "contact__particle_wall__friction": 0.0,
-            "contact__particle_wall__damping_ratio": 0.0,
+            "contact.particle_particle.friction": 0.0,
+            "contact.particle_wall.friction": 0.0,
+            "contact.particle_wall.damping_ratio": 0.0,
         }
         self.clump = derived.clump(linear)
         pitch = 2 * self.clump.radius_m + 2e-3
@@ -347,7 +346,7 @@ class LoadedColumn(ProbedCase):
         self._column = {
             "linear": Probe(
                 "energy-linear",
-                with_values(linear, "smooth", **smooth),
+                linear.with_values(smooth, "smooth"),
                 1e-6,
                 100_000,
                 clumps=clumps,
@@ -357,7 +356,7 @@ class LoadedColumn(ProbedCase):
             ),
             "hertz": Probe(
                 "energy-hertz",
-                with_values(nonlinear, "smooth", **smooth),
+                nonlinear.with_values(smooth, "smooth"),
                 2e-6,
                 100_000,
                 clumps=clumps,
@@ -370,7 +369,7 @@ class LoadedColumn(ProbedCase):
         slider = (ClumpAt((X, Y, height), about_y(86.0), (1.0, 0.2, -0.3), (0.0, 10.0, 0.0)),)
         self._slider = Probe(
             "energy-friction",
-            with_values(nonlinear, "rough", contact__particle_wall__friction=0.3),
+            nonlinear.with_values({"contact.particle_wall.friction": 0.3}, "rough"),
             5e-7,
             6000,
             clumps=slider,
@@ -493,4 +492,4 @@ def dissipation(law: oracle.Linear, radius: float, found: Trajectory, step: floa
     return slip, dashpot
 
 
-CASES = (FreeRotation, Bounces, Pairs, LoadedColumn)
+CASES = (FreeRotation, ClumpBounce, ClumpPair, ColumnEnergy)

@@ -14,7 +14,7 @@ from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.cases.base import Account, ProbedCase
 from analysis.verification.engine_laws import PAPER, wall_law
-from analysis.verification.probes import Ball, Probe, Trajectory, with_values
+from analysis.verification.probes import Ball, Probe, Trajectory
 from analysis.verification.results import Results
 
 STEPS_BEFORE = 20.4
@@ -88,7 +88,7 @@ def measure(probe: Probe, found: Trajectory) -> tuple[dict[str, float], np.ndarr
     )
 
 
-class Impacts(ProbedCase):
+class MeasuredImpacts(ProbedCase):
     """A group of head-on impacts, each with its law, tolerance and remarks."""
 
     def __init__(self, code: str):
@@ -141,7 +141,7 @@ class Impacts(ProbedCase):
 # ------------------------------------------------------------------ cases
 
 
-class HeadOn(Impacts):
+class HeadOn(MeasuredImpacts):
     """Case 1: two spheres of the clump's radius and mass, linear and hysteretic, at two speeds."""
 
     name, title = "head-on", "Head-on impact of two spheres"
@@ -167,11 +167,9 @@ class HeadOn(Impacts):
             probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
             self.add(probe, law, speed, expected=contact_laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
             for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
-                scenario = with_values(
-                    nonlinear,
+                scenario = nonlinear.with_values(
+                    {"contact.particle_particle.damping_mode": mode, "contact.particle_particle.restitution": nominal},
                     "head-on",
-                    contact__particle_particle__damping_mode=mode,
-                    contact__particle_particle__restitution=nominal,
                 )
                 law = self.engine.pair(scenario, mass, radius)
                 factor = contact_laws.damping_factor(mode, nominal)
@@ -212,7 +210,7 @@ def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> di
     }
 
 
-class WallDashpot(Impacts):
+class WallDashpot(MeasuredImpacts):
     """Case 5: restitution of the wall's dashpot, 0.8279 at a damping ratio of 0.06."""
 
     name, title = "wall-dashpot", "Impact on the wall with damping ratio 0.06"
@@ -249,17 +247,18 @@ def _material(
     """The hysteretic scenario with another material; a rigid plane doubles the moduli of the contact."""
     shear = young / (2 * (1 + poisson))
     shear, poisson = contact_laws.equivalent_material(shear, poisson, math.inf if rigid_plane else shear, poisson)
-    return with_values(
-        load_scenario("nonlinear-en1.0"),
+    return load_scenario("nonlinear-en1.0").with_values(
+        {
+            "contact.particle_particle.shear_modulus": shear,
+            "contact.particle_particle.poisson_ratio": poisson,
+            "contact.particle_particle.damping_mode": mode,
+            "contact.particle_particle.restitution": nominal,
+        },
         name,
-        contact__particle_particle__shear_modulus=shear,
-        contact__particle_particle__poisson_ratio=poisson,
-        contact__particle_particle__damping_mode=mode,
-        contact__particle_particle__restitution=nominal,
     )
 
 
-class ChungOoi(Impacts):
+class ChungOoi(MeasuredImpacts):
     """Case 4: tests 1 to 3. The rigid plane of 2 and 3 is a wall with the particles' law where the engine has one, else
     a held sphere 10^4 times as large: the study's own walls are linear. The dashpot of 3 is also tried on those.
     """
@@ -276,6 +275,12 @@ class ChungOoi(Impacts):
     )
 
     def make(self) -> None:
+        self._spheres()
+        self._plane()
+        self._restitutions()
+
+    def _spheres(self) -> None:
+        """Test 1: two equal spheres."""
         for name, (young, poisson, density), published in (
             ("glass", GLASS, "274.1 um, 10.70 kN, 40.3 us"),
             ("limestone", LIMESTONE, "368.3 um, 7.11 kN, 54.2 us"),
@@ -290,6 +295,9 @@ class ChungOoi(Impacts):
                 reason=f"published: {published}",
                 expected=_hysteretic_closed_form(mass / 2, law, 0.0, 20.0),
             )
+
+    def _plane(self) -> None:
+        """Test 2: a sphere on a rigid plane."""
         for name, (young, poisson, density), published in (
             ("aluminium", ALUMINIUM, "49.72 um, 11.37 kN, 731.7 us"),
             ("magnesium", MAGNESIUM, "52.12 um, 7.23 kN, 767.1 us"),
@@ -305,6 +313,9 @@ class ChungOoi(Impacts):
                 reason=f"published: {published}; {place}",
                 expected=_hysteretic_closed_form(mass, law, 0.0, 0.2),
             )
+
+    def _restitutions(self) -> None:
+        """Test 3: dashpots that give each restitution."""
         for name, (young, poisson, density) in (("oxide", ALUMINIUM_OXIDE), ("iron", CAST_IRON)):
             mass = density * 4 / 3 * math.pi * 0.0025**3
             for out in (0.2, 0.4, 0.6, 0.8, 1.0):
@@ -319,10 +330,8 @@ class ChungOoi(Impacts):
                 ):
                     reason += "; the dashpot meets its limit, which adds 0.3 %"
                 self.add(probe, law, 3.9, 0.005, reason, {"restitution": out}, ("restitution",))
-                scenario = with_values(
-                    load_scenario("nonlinear-en1.0"),
-                    name,
-                    contact__particle_wall__damping_ratio=contact_laws.damping_ratio_of(out),
+                scenario = load_scenario("nonlinear-en1.0").with_values(
+                    {"contact.particle_wall.damping_ratio": contact_laws.damping_ratio_of(out)}, name
                 )
                 law = wall_law(scenario, mass)
                 self.add(
@@ -358,7 +367,7 @@ class Oblique(ProbedCase):
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
         super().__init__(code)
         self.clump = derived.clump(linear)
-        slippery = with_values(nonlinear, "slippery", contact__particle_wall__friction=0.3)
+        slippery = nonlinear.with_values({"contact.particle_wall.friction": 0.3}, "slippery")
         self._entries = [
             (label, scenario, angle, self._probe(label, scenario, angle))
             for label, scenario in (("linear-mu0.8", linear), ("damped-mu0.9", nonlinear), ("damped-mu0.3", slippery))
@@ -382,29 +391,13 @@ class Oblique(ProbedCase):
         return [entry[-1] for entry in self._entries]
 
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:
-        radius, mass = self.clump.radius_m, self.clump.mass_kg
-        inertia = 0.4 * mass * radius**2
         curves: dict[str, list] = {}
         for label, scenario, angle, probe in self._entries:
-            law = wall_law(scenario, mass)
-            x, _, z = probe.balls[0].velocity
-            body = oracle.Body(mass, inertia, ((0.0, 0.0, radius),))
-            start = (0, probe.balls[0].position[2], 0, x, z, 0)
-            paper = oracle.bounce(body, [law], start, probe.steps * probe.step, 10)[1][-1][3:]
-            expected, reason = paper, "oracle"
-            if self.engine.wall_slip_limit and law.damping_ratio:
-                expected = own_slip_limit(body, [law], start, probe)[-1][3:]
-                reason = (
-                    f"{self.engine.wall_slip_limit}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
-                    f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
-                )
+            law = wall_law(scenario, self.clump.mass_kg)
+            (x, _, z), (expected, reason) = probe.balls[0].velocity, self._expected(law, probe)
             restitution = contact_laws.dashpot_restitution(law.damping_ratio)
-            sliding = x - law.friction * (1 + restitution) * -z
-            if abs(sliding - expected[0]) < 1e-6 * x:
-                expected[0], reason = sliding, "closed form of gross sliding"
-            last = found[probe.name]
+            last, where = found[probe.name], f"of {label} at {angle} deg"
             measured = (last.velocity[-1, 0, 0], last.velocity[-1, 0, 2], last.spin[-1, 0, 1])
-            where = f"of {label} at {angle} deg"
             results.compare(
                 self.name,
                 f"tangential_velocity_m_s {where}",
@@ -424,7 +417,7 @@ class Oblique(ProbedCase):
                 measured[2],
                 0.005,
                 reason + "; error in relation to that velocity over the radius",
-                scale=x / radius,
+                scale=x / self.clump.radius_m,
             )
             curves.setdefault(label, []).append((angle, measured[0], expected[0], measured[2], expected[2]))
         for label, points in curves.items():
@@ -438,6 +431,24 @@ class Oblique(ProbedCase):
                 spin_rad_s=columns[3],
                 spin_rad_s_expected=columns[4],
             )
+
+    def _expected(self, law: oracle.Linear, probe: Probe) -> tuple[np.ndarray, str]:
+        """Velocity along and from the wall and spin after the impact, and where they come from."""
+        radius, mass, (x, _, z) = self.clump.radius_m, self.clump.mass_kg, probe.balls[0].velocity
+        body = oracle.Body(mass, 0.4 * mass * radius**2, ((0.0, 0.0, radius),))
+        start = (0, probe.balls[0].position[2], 0, x, z, 0)
+        paper = oracle.bounce(body, [law], start, probe.steps * probe.step, 10)[1][-1][3:]
+        expected, reason = paper, "oracle"
+        if self.engine.wall_slip_limit and law.damping_ratio:
+            expected = own_slip_limit(body, [law], start, probe)[-1][3:]
+            reason = (
+                f"{self.engine.wall_slip_limit}: its own expected value, {expected[0] - paper[0]:+.2g} m/s and "
+                f"{expected[2] - paper[2]:+.2g} rad/s from the paper's law"
+            )
+        sliding = x - law.friction * (1 + contact_laws.dashpot_restitution(law.damping_ratio)) * -z
+        if abs(sliding - expected[0]) < 1e-6 * x:
+            expected[0], reason = sliding, "closed form of gross sliding"
+        return expected, reason
 
 
 def own_slip_limit(body: oracle.Body, laws, start, probe: Probe) -> np.ndarray:

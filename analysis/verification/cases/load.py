@@ -19,7 +19,7 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification.cases.base import Account, StagedCase
 from analysis.verification.cases.clumps import about_y
-from analysis.verification.probes import call_engine, with_values
+from analysis.verification.probes import call_engine
 from analysis.verification.results import Results
 from analysis.verification.sketch import Arrow, Disc, Sketch
 
@@ -55,25 +55,26 @@ class LoadedColumn(StagedCase):
         clump, box = derived.clump(base), derived.apparatus(base)
         length, width = 2 * (clump.radius_m + clump.half_distance_m + CLEARANCE), 2 * (clump.radius_m + CLEARANCE)
         share = length * width / box.sleeper_area_m2  # mass and drag per area are those of the study
-        return with_values(
-            base,
+        return base.with_values(
+            {
+                "geometry.box_length": length,
+                "geometry.box_width": width,
+                "geometry.sleeper_length": length,
+                "geometry.sleeper_width": width,
+                "geometry.sleeper_base": 2 * LAYERS * clump.radius_m + 1e-7,
+                "contact.particle_particle.friction": 0.0,
+                "contact.particle_wall.friction": 0.0,
+                "load_control.sleeper_law": law,
+                "load_control.plate_law": "fixed",
+                "load_control.pfc_contact_floor": 1,
+                "load_control.pfc_time_step": 0.0,
+                "load_control.sleeper_mass": base["load_control.sleeper_mass"] * share,
+                "load_control.sleeper_drag": base["load_control.sleeper_drag"] * share,
+                "loading.cycles": 2,
+                "output.checkpoint_cycles": 2,
+                "output.keep_beds": [2],
+            },
             f"column-{law}",
-            geometry__box_length=length,
-            geometry__box_width=width,
-            geometry__sleeper_length=length,
-            geometry__sleeper_width=width,
-            geometry__sleeper_base=2 * LAYERS * clump.radius_m + 1e-7,
-            contact__particle_particle__friction=0.0,
-            contact__particle_wall__friction=0.0,
-            load_control__sleeper_law=law,
-            load_control__plate_law="fixed",
-            load_control__pfc_contact_floor=1,
-            load_control__pfc_time_step=0.0,
-            load_control__sleeper_mass=base["load_control.sleeper_mass"] * share,
-            load_control__sleeper_drag=base["load_control.sleeper_drag"] * share,
-            loading__cycles=2,
-            output__checkpoint_cycles=2,
-            output__keep_beds=[2],
         )
 
     @classmethod
@@ -111,6 +112,22 @@ class LoadedColumn(StagedCase):
             self._judge(law, scenario, folder / law / "raw", results)
 
     def _judge(self, law: str, scenario: Scenario, raw: Path, results: Results) -> None:
+        self._judge_rest(law, scenario, raw, results)
+        rows, grid = _columns(raw / "cyclic.csv"), derived.time_grid(scenario)
+        second = rows["step"] > grid.steps_per_cycle
+        self._judge_response(law, scenario, {name: column[second] for name, column in rows.items()}, results)
+        sums = self._contact_sums(raw / "contacts_cycle_000002.csv")
+        results.compare(
+            self.name,
+            f"sum of contact forces on the sleeper_N under load, {law}",
+            rows["sleeper_stress_Pa"][-1] * derived.apparatus(scenario).sleeper_area_m2,
+            sums[1],
+            0.005,
+            "wall reaction at the last row",
+        )
+
+    def _judge_rest(self, law: str, scenario: Scenario, raw: Path, results: Results) -> None:
+        """Stress and wall forces at the end of preload."""
         area = derived.apparatus(scenario).sleeper_area_m2
         weight = LAYERS * derived.clump(scenario).mass_kg * scenario["packing.final_gravity"]
         preload = _columns(raw / "preload.csv")
@@ -140,47 +157,33 @@ class LoadedColumn(StagedCase):
             "wall reaction at the last row",
         )
 
-        rows, grid = _columns(raw / "cyclic.csv"), derived.time_grid(scenario)
-        second = rows["step"] > grid.steps_per_cycle
-        sway, error = expected_response(scenario, law)
-        measured = _harmonic(
-            rows["time_s"][second], rows["sleeper_displacement_m"][second], scenario["loading.frequency"]
-        )
+    def _judge_response(self, law: str, scenario: Scenario, rows: dict[str, np.ndarray], results: Results) -> None:
+        """Displacement and tracking error in the `rows` of the second cycle."""
+        (sway, error), frequency = expected_response(scenario, law), scenario["loading.frequency"]
+        time, moved = rows["time_s"], rows["sleeper_displacement_m"]
         results.compare(
             self.name,
             f"displacement amplitude_m at 20 Hz, {law}",
             abs(sway),
-            abs(measured),
+            abs(_harmonic(time, moved, frequency)),
             0.005,
             "chain of masses and springs, second cycle",
         )
-        rms = math.sqrt(rows["sleeper_error_ms_Pa2"][second].mean())
         results.compare(
             self.name,
             f"tracking error_Pa rms, {law}",
             abs(error) / math.sqrt(2),
-            rms,
+            math.sqrt(rows["sleeper_error_ms_Pa2"].mean()),
             0.02,
             "same chain; 2 %: what is left of the start of loading",
         )
-        sums = self._contact_sums(raw / "contacts_cycle_000002.csv")
-        results.compare(
-            self.name,
-            f"sum of contact forces on the sleeper_N under load, {law}",
-            rows["sleeper_stress_Pa"][-1] * area,
-            sums[1],
-            0.005,
-            "wall reaction at the last row",
-        )
-
-        time, mean = rows["time_s"][second], rows["sleeper_displacement_m"][second].mean()
-        turns = np.exp(2j * math.pi * scenario["loading.frequency"] * time)
+        turns = np.exp(2j * math.pi * frequency * time)
         results.curve(
             self.name,
             law,
             time_s=time,
-            sleeper_displacement_m=rows["sleeper_displacement_m"][second],
-            sleeper_displacement_m_expected=mean + (sway * turns).real,
+            sleeper_displacement_m=moved,
+            sleeper_displacement_m_expected=moved.mean() + (sway * turns).real,
         )
 
     @staticmethod

@@ -9,8 +9,8 @@ from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.verification import oracle
 from analysis.verification.cases.base import Account, ProbedCase
-from analysis.verification.engine_laws import wall_law
-from analysis.verification.probes import Ball, Probe, Trajectory, with_values
+from analysis.verification.engine_laws import Along, wall_law
+from analysis.verification.probes import Ball, Probe, Trajectory
 from analysis.verification.results import Results
 
 HELD_MASS = 1e12
@@ -26,7 +26,7 @@ CLOSING_AGAIN = ((1.1, -0.6), 30)
 PATH = (LOADING, SLIDING, BACK, UNLOADING, RELOADING, SEPARATION, CLOSING_AGAIN)
 
 
-class Paths(ProbedCase):
+class PrescribedPaths(ProbedCase):
     """Case 2: normal and shear force at every point of the path, in a wall contact and in contacts of two spheres."""
 
     name, title = "path", "Imposed motion: normal and shear force along a path"
@@ -44,8 +44,8 @@ class Paths(ProbedCase):
     def __init__(self, code: str):
         super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-        damped = with_values(nonlinear, "damped", contact__particle_particle__restitution=0.6)
-        own = {"contact__origin": "engine"}
+        damped = nonlinear.with_values({"contact.particle_particle.restitution": 0.6}, "damped")
+        own = {"contact.origin": "engine"}
         self.clump = derived.clump(linear)
         # each: scenario, on a wall?, step (s), length of a unit step (m), how much longer the steps along the contact
         # are, and the gap at the start in unit steps: the contact closes within the first step or the second
@@ -55,8 +55,8 @@ class Paths(ProbedCase):
             "spheres-linear": (linear, False, 1e-6, 1e-6, 1.5, 0.4),
             "spheres-hertz": (nonlinear, False, 1e-6, 5e-6, 1.5, 1.4),
             "spheres-damped": (damped, False, 1e-5, 5e-6, 1.5, 0.4),
-            "spheres-hooke": (with_values(linear, "hooke", **own), False, 1e-6, 1e-6, 1.5, 0.4),
-            "spheres-hertz-stock": (with_values(nonlinear, "hertz", **own), False, 1e-6, 5e-6, 1.5, 1.4),
+            "spheres-hooke": (linear.with_values(own, "hooke"), False, 1e-6, 1e-6, 1.5, 0.4),
+            "spheres-hertz-stock": (nonlinear.with_values(own, "hertz"), False, 1e-6, 5e-6, 1.5, 1.4),
         }
         self._probes = {name: self._probe(name, *entry) for name, entry in self._entries.items()}
 
@@ -119,18 +119,8 @@ class Paths(ProbedCase):
         results.compare_curves(self.name, f"normal_force_N of {name}", normal_force, measured_normal, tolerance, reason)
         results.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
 
+        self._judge_moments(name, overlap, shear_force, measured_shear, own, results)
         ends = np.cumsum([steps for _, steps in PATH])
-        closes = int(np.flatnonzero(overlap[1:] > 0)[0])
-        again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1 :] > 0)[0])
-        for step, what in ((closes, "after the closing step"), (again, "after closing again")):
-            note = (
-                "eq. 3: share of the step in contact"
-                if not own.deviates
-                else "the code has no eq. 3: the whole step counts"
-            )
-            results.compare(
-                self.name, f"shear_force_N {what} of {name}", shear_force[step], measured_shear[step], tolerance, note
-            )
         apart = int((overlap[ends[4] : ends[5]] < 0).sum()) // 2 + ends[4] + 1
         while overlap[apart] >= 0:
             apart += 1
@@ -143,14 +133,8 @@ class Paths(ProbedCase):
         if own.slip_limit:
             paper, limit = limit, law.friction * abs(normal_force[slips])
             note = f"{own.slip_limit}; the paper's law: {paper:.4g} N"
-        results.compare(
-            self.name,
-            f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}",
-            limit,
-            abs(measured_shear[slips]),
-            tolerance,
-            note,
-        )
+        what = f"slip_limit_N at {closing[slips]:.2g} m/s closing of {name}"
+        results.compare(self.name, what, limit, abs(measured_shear[slips]), tolerance, note)
         results.curve(
             self.name,
             name,
@@ -161,5 +145,20 @@ class Paths(ProbedCase):
             shear_force_N_expected=shear_force,
         )
 
+    def _judge_moments(self, name: str, overlap, expected, measured, own: Along, results: Results) -> None:
+        """Shear force (n,) after the steps in which the contact closes; `overlap` (n + 1,)."""
+        ends = np.cumsum([steps for _, steps in PATH])
+        closes = int(np.flatnonzero(overlap[1:] > 0)[0])
+        again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1 :] > 0)[0])
+        for step, what in ((closes, "after the closing step"), (again, "after closing again")):
+            note = (
+                "eq. 3: share of the step in contact"
+                if not own.deviates
+                else "the code has no eq. 3: the whole step counts"
+            )
+            results.compare(
+                self.name, f"shear_force_N {what} of {name}", expected[step], measured[step], own.tolerance, note
+            )
 
-CASES = (Paths,)
+
+CASES = (PrescribedPaths,)

@@ -1,0 +1,32 @@
+"""The figures of the demo's page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from analysis.comparison.findings.members import Member
+from analysis.formats.quantities import row_of
+from analysis.report.figure import Figure, Gallery
+from analysis.report.figures.beds import bed_figure
+from analysis.report.figures.lateral import lateral_figure
+from analysis.report.figures.load import tracking_figure
+from analysis.report.figures.overview import demo_settlement_figure
+from analysis.report.figures.porosity import porosity_figure
+
+
+def demo_figures(gallery: Gallery, members: Sequence[Member]) -> list[Figure | None]:
+    """Settlement, the bed, lateral displacement, porosity where it was measured, and load tracking."""
+    runs = [m.run for m in members]
+    pictured = [run for run in runs if (run.folder / "bed_after.csv").exists()][:1]
+    measured = [run for run in runs if run.cycles[list(row_of("porosity_{}"))].notna().any(axis=None)]
+    after = "Outward, at minimum load."
+    zero = "Cycle 0 is the end of preload."
+    return [
+        demo_settlement_figure(gallery, members),
+        bed_figure(gallery, pictured, "bed-demo", "after", "The demo bed after loading", "Coloured by displacement."),
+        lateral_figure(gallery, runs, "lateral-demo", "Lateral displacement of the plates", after, references=False),
+        porosity_figure(gallery, runs, "porosity-demo", "Porosity in the measurement spheres", zero)
+        if measured
+        else None,
+        tracking_figure(gallery, runs, "tracking-demo", "Load tracking"),
+    ]
