@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.formats.quantities import CODES
 from analysis.scenarios.scenario import (
     SCENARIO_FILE,
     ScenarioError,
@@ -19,7 +20,6 @@ from analysis.scenarios.scenario import (
     split_variants,
 )
 
-CODES = ("yade", "liggghts")
 PART_KEYS = {"title": str, "scenarios": list, "variants": list, "codes": list, "seeds": list, "cycles": int}
 PAPER = "paper"
 """Stands for all scenarios of the paper in the list of a part."""

@@ -28,13 +28,14 @@ from analysis.comparison.claims.uncertainty import (
 )
 from analysis.comparison.findings.members import Member, member
 from analysis.comparison.quantities import last_cycle
+from analysis.formats import quantities
 from analysis.formats.quantities import SHOWN_UNITS
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "not decidable"
 
-CODES = ("liggghts", "yade")
+CODES = tuple(sorted(quantities.CODES))
 
 PAPER, CHEN = "paper", "chen2015"
 

@@ -67,13 +67,18 @@ class TimedCase:
         """From which the engine starts."""
         return self.folder / "checkpoints" / f"cyclic_000000.{ENGINES[self.code].checkpoint_suffix}"
 
+    @property
+    def _stock_is_a_deck(self) -> bool:
+        """Stock LIGGGHTS reads a deck that is written for the case; stock YADE runs a script, which times itself."""
+        return self.code == stock.CODE
+
     def prepare(self) -> None:
         """Make all files that timing needs, once: inputs, bed and checkpoint. EngineError where the engine fails."""
         ENGINES[self.code].write_inputs(self.scenario, self.folder, 1)
         packed = self.folder / "raw" / "bed_packed.csv"
         self.clumps = write_widened(self.bed.bed, self.scenario, self.width, packed)
         if self.who == "stock":
-            if self.code == "liggghts":
+            if self._stock_is_a_deck:
                 stock.write_case(self.scenario, self.bed, self.folder)
         elif not self.checkpoint.exists():
             self._finish(ENGINES[self.code].command("preload", self.folder))
@@ -92,7 +97,7 @@ class TimedCase:
         """The command that is timed."""
         if self.who != "stock":
             return ENGINES[self.code].command("cyclic", self.folder, self.checkpoint, self.ranks)
-        if self.code == "liggghts":
+        if self._stock_is_a_deck:
             return stock.command(self.scenario, self.folder)
         packed = self.folder / "raw" / "bed_packed.csv"
         steps = str(STOCK_STEPS)
@@ -100,13 +105,13 @@ class TimedCase:
 
     def time(self) -> Speed:
         """Time it once."""
-        if self.code == "yade" and self.who == "stock":
+        if self.who == "stock" and not self._stock_is_a_deck:
             return self._own_timing()
         rows = self.folder / (stock.ROWS if self.who == "stock" else Path("raw") / "cyclic.csv")
         share = min(LARGEST_SHARE, SHARES[self.code] * max(1.0, 1 / self.width))  # processor time comes in ticks
         steps = int(share * derived.time_grid(self.scenario).steps_per_cycle) - 1
         (self.folder / "raw" / "state.csv").unlink(missing_ok=True)
-        threads = self.ranks if self.code == "yade" else 1
+        threads = ENGINES[self.code].parallel(self.ranks)["threads"]
         return measure(self.argv(), self.folder / "log" / "timed.log", rows, steps, threads)
 
     def _own_timing(self) -> Speed:

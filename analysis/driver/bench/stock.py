@@ -16,7 +16,7 @@ from analysis.files import ROOT, write_aside
 from analysis.formats.quantities import PLATES
 from analysis.scenarios import derived
 
-EXECUTABLE = "liggghts"
+CODE = EXECUTABLE = "liggghts"
 DECK, BED_DECK = "liggghts/stock.in", "liggghts/stock_bed.in"
 
 
