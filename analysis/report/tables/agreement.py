@@ -41,7 +41,7 @@ def agreement_table(rows: pd.DataFrame, quantities: Sequence[str] = SHOWN, all_c
         [
             "scenario",
             "reading",
-            "quantity",
+            Shown("quantity", wide=True),
             "cycle",
             Shown("liggghts_mean", in_unit="quantity"),
             Shown("yade_mean", in_unit="quantity"),
@@ -61,7 +61,7 @@ def state_chip(row) -> Chip:
         return Chip("differs", "bad")
     needed = max(row.beds_needed, 1 + min(row.liggghts_beds, row.yade_beds))
     wanted = f", needs {plural(int(needed), 'bed')}" if math.isfinite(needed) and needed <= 99 else ""
-    return Chip(f"cannot tell yet{wanted}", "calm")
+    return Chip(f"cannot tell{wanted}" if wanted else "cannot tell yet", "calm")
 
 
 WITHIN = {AGREES: Chip("yes, within", "good"), DIFFERS: Chip("no, beyond", "bad")}
