@@ -24,19 +24,21 @@ from analysis.report.curves import (
     up_to,
 )
 from analysis.report.figure import Figure, Gallery
-from analysis.report.labels import MM, short_name
+from analysis.report.labels import MM, of_any_bed, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT, Canvas
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
 
-def porosity_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str) -> Figure | None:
-    """Porosity of the three measurement spheres against cycles, one panel per scenario."""
+def porosity_figure(
+    gallery: Gallery, runs: Sequence[Run], name: str, title: str, caption: str, references: bool = True
+) -> Figure | None:
+    """Porosity of the three measurement spheres against cycles, one panel per scenario, whatever bed it began from."""
     curves = gallery.curves(runs)
     drawn = []
-    pending = pending_names(gallery.references, "porosity", {c.scenario for c in curves})
-    for scenario in dict.fromkeys(curve.scenario for curve in curves):
-        members = [curve for curve in curves if curve.scenario == scenario]
+    pending = pending_names(gallery.references, "porosity", {c.scenario for c in curves}) if references else []
+    for scenario in dict.fromkeys(of_any_bed(curve.scenario) for curve in curves):
+        members = [curve for curve in curves if of_any_bed(curve.scenario) == scenario]
         family = members[0].family
         top = MARKED_TOP if pending else 0.32
         c = style.canvas(
@@ -58,6 +60,7 @@ def porosity_figure(gallery: Gallery, runs: Sequence[Run], name: str, title: str
                     tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""),
                 )
         rows = gallery.references.curve("porosity", scenario=scenario)
+        rows = rows if references else rows.iloc[:0]
         draw_references(c, up_to(rows, last_cycle_of(members)), "cycle", 1.0)
         c.axes.set_ylabel("porosity")
         cycle_axis(c, last_cycle_of(members), False)
