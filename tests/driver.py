@@ -33,7 +33,11 @@ def start(driver: tuple[str, ...], *arguments, **options) -> subprocess.Popen:
 def drive(driver: tuple[str, ...], *arguments, limit_s: float | None = 500, **options) -> subprocess.CompletedProcess:
     """Run the driver to its end, at most so many seconds."""
     process = start(driver, *arguments, **options)
-    out, err = process.communicate(timeout=limit_s)
+    try:
+        out, err = process.communicate(timeout=limit_s)
+    except subprocess.TimeoutExpired:
+        process.kill()  # its engine dies with it
+        raise
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
