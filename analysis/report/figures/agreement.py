@@ -64,9 +64,9 @@ def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figu
     c.axes.minorticks_off()
     c.axes.set_xticks(ticks, [text.replace(" ", "\n", 1) for text in labels])
     c.axes.set_ylabel("LIGGGHTS over YADE")
-    for hue, up in (("linear", 0.97), ("nonlinear", 0.90)):
-        look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "top"}
-        c.axes.text(0.98, up, f"{hue} model", transform=c.axes.transAxes, **look)
+    for hue, right in (("linear", 0.6), ("nonlinear", 1.0)):  # above the axes, where no mark is
+        look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "bottom"}
+        c.axes.text(right, 1.03, f"{hue} model", transform=c.axes.transAxes, **look)
     c.table = rows
     return gallery.finish(
         name,
