@@ -188,14 +188,19 @@ def test_the_band_of_one_bed_takes_in_the_replicates_of_the_time_step_study():
     names = ["case", "time_step_s", "ranks", "bed", "settlement_m"]
     timestep = pd.DataFrame(steps, columns=names).assign(scenario="linear-mu0.8", cycle=5)
     late = timestep.assign(cycle=20, settlement_m=timestep["settlement_m"] * timestep["ranks"])
-    pairs = agreement.replicates(pd.concat([timestep, late], ignore_index=True))
+    timestep = pd.concat([timestep, late], ignore_index=True)
+    pairs = agreement.replicates(timestep).query("cycle == 5")
     assert sorted(zip(pairs["one"], pairs["other"], strict=True)) == [("paper", "half"), ("paper", "rounding")]
     assert pairs.set_index("other").at["rounding", "difference_ratio"] == pytest.approx(0.05 / 1.025)
     codes = {"profile": "full", "scenario": "linear-mu0.8", "reading": "true load", "bed": "c", "differs": "code"}
-    found = pd.DataFrame([codes | {"one": "y", "other": "l", "cycle": 5, "difference_ratio": 0.04}])
+    rows = [{"one": "y", "other": "l", "cycle": n, "difference_ratio": ratio} for n, ratio in ((5, 0.04), (20, 0.08))]
+    found = pd.DataFrame([codes | row for row in rows])
     alone, together = (agreement.same_bed_verdicts(found, *more).iloc[0] for more in ((), (timestep,)))
     assert alone["state"] == agreement.OPEN and alone["band_pairs"] == 0
-    assert together["state"] == agreement.AGREES and together["band_pairs"] == 2
+    assert together["state"] == agreement.AGREES and together["band_pairs"] == 2 and together["cycles"] == 5
+    assert together["codes_ratio"] == 0.04 and together["band_ratio"] == pytest.approx(0.05 / 1.025)
+    assert together["late_cycle"] == 20 and together["codes_late_ratio"] == 0.08
+    assert together["band_late_ratio"] == pytest.approx(2 * 1.1 / 3.1), "later cycles are shown, not judged"
     servo = agreement.same_bed_verdicts(found.assign(reading="servo"), timestep).iloc[0]
     assert servo["band_pairs"] == 0, "the study of the time step is made under the true load"
 

@@ -11,8 +11,10 @@ import pandas as pd
 from analysis.normalised.readers import Run
 from analysis.scenarios.schema import KEYS
 
-SHARED_CYCLES = 5
-"""Later ones are not compared: rounding alone drives two runs of one bed apart."""
+JUDGED_CYCLES = 5
+"""Later ones are shown and not judged: rounding alone drives two runs of one bed apart."""
+SHARED_CYCLES = (*range(1, JUDGED_CYCLES + 1), 10, 20)
+"""After these two runs of one bed are compared."""
 
 
 def changed_keys(one: Run, other: Run) -> list[str]:
@@ -66,14 +68,15 @@ def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
 
 
 def settlements(pair: Pair) -> pd.DataFrame:
-    """Settlement of a pair, a row for preload (cycle 0, from its start) and one for each shared cycle (from its end).
+    """Settlement of a pair, a row for preload (cycle 0, from its start) and one for each of SHARED_CYCLES (from
+    its end).
 
     Columns: cycle, one_m, other_m, difference_m, difference_ratio (over the mean of the two). Without a value in either
     run there is no row.
     """
     rows = [(0, *(run.stages.get("preload", {}).get("settlement_m") for run in (pair.one, pair.other)))]
     one, other = (run.cycles.set_index("cycle")["settlement_m"] for run in (pair.one, pair.other))
-    rows += [(cycle, one.get(cycle), other.get(cycle)) for cycle in range(1, SHARED_CYCLES + 1)]
+    rows += [(cycle, one.get(cycle), other.get(cycle)) for cycle in SHARED_CYCLES]
     table = pd.DataFrame(rows, columns=["cycle", "one_m", "other_m"])
     table = table.astype({"one_m": float, "other_m": float}).dropna()
     table["difference_m"] = table["other_m"] - table["one_m"]

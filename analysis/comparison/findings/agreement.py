@@ -230,7 +230,7 @@ def replicates(timestep: pd.DataFrame) -> pd.DataFrame:
     columns = ["scenario", "bed", "one", "other", "cycle", "difference_ratio"]
     if timestep.empty:
         return pd.DataFrame(columns=columns)
-    shared = timestep[timestep["cycle"].between(1, same_bed.SHARED_CYCLES)]
+    shared = timestep[timestep["cycle"].isin(same_bed.SHARED_CYCLES)]
     pairs = shared.merge(shared, on=["scenario", "bed", "cycle"], suffixes=("_one", "_other"))
     ratio = pairs["time_step_s_one"] / pairs["time_step_s_other"]
     rounding = (ratio == 1) & (pairs["ranks_one"] < pairs["ranks_other"])
@@ -245,8 +245,9 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     """Is the criterion met, that the codes differ by no more than half a time step or rounding alone changes?
 
     A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
-    over the shared cycles and as a share of the settlement, and the state. The band is that of all pairs of the
-    bed that do not differ in the code and of the `replicates` of the time step's study on its bed.
+    over the judged cycles and as a share of the settlement, the state, and both after the last cycle that the codes
+    share. The band is that of all pairs of the bed that do not differ in the code and of the `replicates` of the time
+    step's study on its bed.
     """
     more = replicates(pd.DataFrame() if timestep is None else timestep)
     more = more.assign(profile="full", reading=TRUE_LOAD, size=more["difference_ratio"].abs())
@@ -258,6 +259,9 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
         band = pd.concat([part for part in (band, more[alike]) if len(part)] or [band], ignore_index=True)
         if codes.empty:
             continue
+        last = codes["cycle"].max()
+        late = [float(part.loc[part["cycle"] == last, "size"].max()) for part in (codes, band)]
+        codes, band = (part[part["cycle"] <= same_bed.JUDGED_CYCLES] for part in (codes, band))
         largest = float(codes["size"].max())
         limit = float(band["size"].max()) if len(band) else math.nan
         state = OPEN if math.isnan(limit) else AGREES if largest <= limit else DIFFERS
@@ -272,7 +276,11 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
                 "band_ratio": limit,
                 "band_pairs": len(band[["bed", "one", "other"]].drop_duplicates()),
                 "state": state,
+                "late_cycle": int(last),
+                "codes_late_ratio": late[0],
+                "band_late_ratio": late[1],
             }
         )
     columns = ["profile", "scenario", "reading", "bed", "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
+    columns += ["late_cycle", "codes_late_ratio", "band_late_ratio"]
     return pd.DataFrame(rows, columns=columns)

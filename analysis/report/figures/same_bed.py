@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from analysis.comparison.same_bed import SHARED_CYCLES, Pair, ranks, settlements
+from analysis.comparison.same_bed import JUDGED_CYCLES, SHARED_CYCLES, Pair, ranks, settlements
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
@@ -26,10 +26,10 @@ def same_bed_figure(gallery: Gallery, found: Sequence[Pair], name: str, title: s
     return gallery.finish(
         name,
         f"One bed, {title}: two codes, two time steps, rounding",
-        f"Left: settlement since the end of preload in the first {SHARED_CYCLES} cycles. Right: difference of the two "
-        "runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked where "
-        "the line of the other code lies no higher than that of the smaller time step; rounding alone (another number "
-        "of ranks) is the floor.",
+        f"Left: settlement since the end of preload in the first {SHARED_CYCLES[-1]} cycles. Right: difference of the "
+        "two runs of a pair over their mean, settlement in preload first. The codes agree as closely as can be asked "
+        "where the line of the other code lies no higher than that of the smaller time step; rounding alone (another "
+        "number of ranks) is the floor.",
         [_settlement(gallery, runs, name), _differences(gallery, found, name)],
         runs,
     )
@@ -46,7 +46,7 @@ def _settlement(gallery: Gallery, runs: Sequence[Run], name: str) -> Canvas:
             look, label = OTHER_STYLE, f"{label} {1e6 * run.scenario['time.step']:g} µs"
         if ranks(run) > 1:
             look, label = OTHER_STYLE | {"marker": "^"}, f"{label} {ranks(run)} ranks"
-        rows = run.cycles[run.cycles["cycle"] <= SHARED_CYCLES]
+        rows = run.cycles[run.cycles["cycle"] <= SHARED_CYCLES[-1]]
         x, y = [0, *rows["cycle"]], [0.0, *(MM * rows["settlement_m"])]
         c.axes.plot(x, y, color=colour, markersize=4.5, markerfacecolor=PAPER if run.code == "yade" else colour, **look)
         c.labels.append((x[-1], y[-1], label, colour))
@@ -69,7 +69,9 @@ def _differences(gallery: Gallery, found: Sequence[Pair], name: str) -> Canvas:
             c.labels.append((table["cycle"].iloc[-1], y.iloc[-1], label, colour))
         frames.append(table.assign(differs=pair.differs, one=pair.one.id, other=pair.other.id))
     c.axes.set_ylim(bottom=0)
-    c.axes.set_xticks(range(SHARED_CYCLES + 1), ["preload", *map(str, range(1, SHARED_CYCLES + 1))])
+    last = max(table["cycle"].max() for table in frames)
+    shown = [1, 5, 10, 20] if last > JUDGED_CYCLES else list(range(1, JUDGED_CYCLES + 1))
+    c.axes.set_xticks([0, *shown], ["preload", *map(str, shown)])
     c.axes.set(xlabel="load cycle", ylabel="difference of settlement, %")
     c.table = pd.concat(frames, ignore_index=True)
     return c

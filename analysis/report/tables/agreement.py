@@ -87,6 +87,9 @@ def same_bed_table(verdicts: pd.DataFrame) -> Table | None:
             Shown("band_ratio", digits=2),
             "band_pairs",
             Shown("state", "verdict", text=within_chip, number=False),
+            "late_cycle",
+            Shown("codes_late_ratio", digits=2),
+            Shown("band_late_ratio", digits=2),
         ],
     )
 
