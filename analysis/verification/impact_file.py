@@ -246,8 +246,8 @@ def _impact(refuse: Refuse, name: str, base: Scenario, given: dict, curve: str =
         for key in (key for key in given if key.startswith("body_2.")):
             if against == "wall" or key.removeprefix("body_2.") not in MATERIAL:
                 raise refuse(key, given[key], no_more)
-    changes = {key.replace(".", "__"): value for key, value in given.items() if key.startswith("contact.")}
-    scenario = base.with_values({**changes, **_moduli(refuse, given, against, changes)}, name)
+    changes = {key: value for key, value in given.items() if key.startswith("contact.")}
+    scenario = base.with_values(changes | _moduli(refuse, given, against, changes), name)
     if against == "plane":
         if scenario["contact.model"] != "hysteretic":
             raise refuse("impact.against", against, 'wall with the linear law; plane with contact.model "hysteretic"')
@@ -305,12 +305,12 @@ def _damping(refuse: Refuse, given: dict, against: str, scenario: Scenario) -> d
     if key in given:
         raise refuse(key, given[key], "impact.restitution, which comes out, or this, not both")
     if linear:
-        return {key.replace(".", "__"): contact_laws.damping_ratio_of(restitution) if restitution < 1 else 0.0}
+        return {key: contact_laws.damping_ratio_of(restitution) if restitution < 1 else 0.0}
     try:
         nominal = contact_laws.nominal_restitution(scenario["contact.particle_particle.damping_mode"], restitution)
     except ValueError as error:
         raise refuse("impact.restitution", restitution, str(error)) from None
-    return {key.replace(".", "__"): nominal}
+    return {key: nominal}
 
 
 def _speeds(refuse: Refuse, given: dict) -> tuple[float, float]:
