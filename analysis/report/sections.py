@@ -61,5 +61,6 @@ def same_bed_parts(data: ReportData, profile: str) -> list[dict]:
     for (scenario, reading, bed), found in pairs_by_bed(members).items():
         basis = join_id(scenario, (SERVO_VARIANT,) if reading == SERVO else ())
         figure = same_bed_figure(data.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis))
-        parts.append({"name": short_name(basis), "table": pairs_table(found, short_name(basis)), "figure": figure})
+        name = f"{short_name(basis)}, bed {bed[:8]}"
+        parts.append({"name": name, "table": pairs_table(found, name), "figure": figure})
     return parts
