@@ -219,12 +219,18 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
 def test_a_bad_claims_file_is_refused_in_one_line(tmp_path, old, new, words):
     text = CLAIMS_FILE.read_text()
     assert old in text
-    path = tmp_path / "claims.toml"
-    path.write_text(text.replace(old, new))
+    assert words in refusal_of(tmp_path, text.replace(old, new))
+
+
+def refusal_of(folder, text: str) -> str:
+    """The one line with which a claims file is refused."""
+    path = folder / "claims.toml"
+    path.write_text(text)
     with pytest.raises(ClaimError) as caught:
         load_claims(path)
-    assert str(caught.value).startswith("claims.toml: ") and words in str(caught.value)
-    assert "\n" not in str(caught.value)
+    line = str(caught.value)
+    assert line.startswith("claims.toml: ") and "\n" not in line
+    return line
 
 
 COMPARES = """
@@ -267,12 +273,8 @@ def test_a_claim_that_compares_a_quantity_is_its_text_alone(tmp_path):
     ],
 )
 def test_a_comparison_that_cannot_be_made_is_refused_in_one_line(tmp_path, old, new, words):
-    path = tmp_path / "claims.toml"
     assert old in COMPARES
-    path.write_text(CLAIMS_FILE.read_text() + COMPARES.replace(old, new))
-    with pytest.raises(ClaimError) as caught:
-        load_claims(path)
-    assert words in str(caught.value) and "\n" not in str(caught.value)
+    assert words in refusal_of(tmp_path, CLAIMS_FILE.read_text() + COMPARES.replace(old, new))
 
 
 # ------------------------------------------------------------------ what keeps a claim open

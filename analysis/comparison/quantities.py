@@ -6,7 +6,7 @@ Functions take a `readers.Run` (or anything with its attributes). SI units; nan 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -65,39 +65,48 @@ def last_cycle(run) -> int:
 # ---------------------------------------------------------------------- cycle by cycle
 
 
-class ValuesOfRun(Mapping):
+class ValuesOfRun:
     """What a formula may name: the columns of a run's cycles.csv, quantities that follow from them, and parameters."""
 
     def __init__(self, run):
-        self.run, self.follow = run, {}
+        self.run, self._follow = run, {}
 
     def __getitem__(self, name: str):
-        """A column (cycles,) or the value of a parameter, nan without a scenario."""
-        if name in self.follow:
-            return self.follow[name]
+        """A column (cycles,), worked out when it is first asked for, or the value of a parameter, nan without a
+        scenario.
+        """
         if name in self.run.cycles:
             return self.run.cycles[name]
+        if formula := formula_of(name):
+            if name not in self._follow:
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    self._follow[name] = formula(self)
+            return self._follow[name]
         return self.run.scenario[name] if self.run.scenario is not None else math.nan
 
-    def __iter__(self):
-        return iter((*self.run.cycles, *self.follow))
 
-    def __len__(self) -> int:
-        return len(self.run.cycles.columns) + len(self.follow)
+def formula_of(name: str) -> Callable[[ValuesOfRun], pd.Series] | None:
+    """How a quantity follows after each cycle: the formula of its row in the registry, or the function in FUNCTIONS;
+    None where it is stored, or no quantity.
+    """
+    return (QUANTITIES[name].formula or FUNCTIONS.get(name)) if name in QUANTITIES else None
 
 
 def per_cycle(run) -> pd.DataFrame:
-    """What follows for each finished cycle: `cycle`, and by name each quantity that has a formula in the registry or a
-    function in FUNCTIONS.
+    """What follows for each finished cycle: `cycle`, and by name each quantity that has a formula.
 
     Loads and work are those of the scenario's width: a narrower box carries less.
     """
     values = ValuesOfRun(run)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for name, quantity in QUANTITIES.items():
-            if formula := quantity.formula or FUNCTIONS.get(name):
-                values.follow[name] = formula(values)
-    return pd.DataFrame({"cycle": run.cycles["cycle"], **values.follow})
+    return pd.DataFrame({name: values[name] for name in ("cycle", *filter(formula_of, QUANTITIES))})
+
+
+def value_after(run, name: str, cycle: int) -> float:
+    """Any quantity of a run's tables after `cycle`, in SI units; nan where the run cannot say it."""
+    table = run.microstructure if name not in run.cycles and name in run.microstructure else run.cycles
+    values = table if name in table else ValuesOfRun(run)
+    found = values[name][table["cycle"] == cycle]
+    return float(found.iloc[0]) if len(found) else math.nan
 
 
 def _increment(values: ValuesOfRun) -> pd.Series:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from analysis.formats.errors import InputError, reason
 from analysis.formats.quantities import CODES, QUANTITIES, row_of
+from analysis.formats.table_file import rows_of
 
 LAWS = ("linear", "nonlinear")
 LONGEST_TEXT = 2000
@@ -158,25 +159,17 @@ def read(path: Path, table: KeptTable) -> dict[str, list]:
     if not rows or not text.endswith("\n"):
         raise InputError(path.name, allowed=f"is {'torn at its end' if rows else 'empty'}; {remedy}")
     header, *lines = rows
-    for name in table.columns:
-        if header.count(name) != 1:
-            what = f"column {name} is {'there twice' if name in header else 'missing'}"
-            raise InputError(path.name, "line 1:", allowed=f"{what}; {remedy}")
-    if not lines:
-        raise InputError(path.name, allowed=f"has no row; {remedy}")
-    places = {name: header.index(name) for name in table.columns}
     found: dict[str, list] = {name: [] for name in table.columns}
     seen = set()
-    for number, cells in enumerate(lines, start=2):
-        if len(cells) != len(header):
-            what = f"has {len(cells)} values instead of {len(header)}"
-            raise InputError(path.name, f"line {number}", allowed=f"{what}; {remedy}")
-        for name, place in places.items():
-            found[name].append(_value(path.name, f"line {number}: {name}", cells[place], table, name, remedy))
+    for number, cells in rows_of(path.name, header, lines, table.columns, remedy):
+        for name, cell in cells.items():
+            found[name].append(_value(path.name, f"line {number}: {name}", cell, table, name, remedy))
         row = tuple(found[name][-1] for name in table.key)
         if row and row in seen:
             raise InputError(path.name, f"line {number}", allowed=f"is there twice; {remedy}")
         seen.add(row)
+    if not lines:
+        raise InputError(path.name, allowed=f"has no row; {remedy}")
     return found
 
 

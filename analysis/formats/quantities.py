@@ -49,9 +49,9 @@ class Quantity:
     empty     True where a cell may be empty: the run cannot say it in every row
     compared  True where the codes are compared by it; left out is what is equal by construction (number of clumps,
               load), what a run is held to (tracking error) and what another quantity says
-    formula   of a quantity that follows after each cycle from others: a function of the columns of cycles.csv, of the
-              quantities in rows above, and of the scenario's parameters, each by its name. A quantity is stored in a
-              file, has a formula, or a function in comparison/quantities.py
+    formula   of a quantity that follows after each cycle from others: a function of the columns of cycles.csv, of
+              quantities that follow, too, and of the scenario's parameters, each by its name. A quantity is stored in
+              a file, has a formula, or a function in comparison/quantities.py
     """
 
     name: str

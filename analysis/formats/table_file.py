@@ -6,7 +6,7 @@ The last line counts only with its newline: without it, it was torn by a kill an
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from analysis.formats.errors import InputError, reason
@@ -24,23 +24,32 @@ def read(path: Path, columns: Sequence[str], whole: bool | None = True) -> dict[
     """
     path = Path(path)
     header, lines = _lines(path)
-    for name in columns:
-        if header.count(name) != 1:
-            what = f"column {name} is missing" if name not in header else f"column {name} is there twice"
-            raise InputError(path.name, "line 1:", allowed=f"{what}; {REMEDY}")
-    places = [header.index(name) for name in columns]
     table: dict[str, list[float]] = {name: [] for name in columns}
-    for number, line in enumerate(lines, start=2):
-        cells = line.split(",")
-        if len(cells) != len(header):
-            raise InputError(
-                path.name, f"line {number}", allowed=f"has {len(cells)} values instead of {len(header)}; {REMEDY}"
-            )
-        for name, place in zip(columns, places, strict=True):
-            table[name].append(_value(path, number, name, cells[place]))
+    for number, row in rows_of(path.name, header, (line.split(",") for line in lines), columns, REMEDY):
+        for name, cell in row.items():
+            table[name].append(_value(path, number, name, cell))
     if whole is not None:
         _check_order(path, table["cycle"], whole)
     return table
+
+
+def rows_of(
+    file: str, header: Sequence[str], lines: Iterable[Sequence[str]], columns: Sequence[str], remedy: str
+) -> Iterator[tuple[int, dict[str, str]]]:
+    """Each line's number in the file and its cells by column; `lines` are those below the header, in cells.
+
+    Raises InputError where a column is missing or there twice, or where a line has not as many cells as the header.
+    """
+    for name in columns:
+        if header.count(name) != 1:
+            what = f"column {name} is {'there twice' if name in header else 'missing'}"
+            raise InputError(file, "line 1:", allowed=f"{what}; {remedy}")
+    places = {name: header.index(name) for name in columns}
+    for number, cells in enumerate(lines, start=2):
+        if len(cells) != len(header):
+            what = f"has {len(cells)} values instead of {len(header)}"
+            raise InputError(file, f"line {number}", allowed=f"{what}; {remedy}")
+        yield number, {name: cells[place] for name, place in places.items()}
 
 
 def is_torn(path: Path) -> bool:

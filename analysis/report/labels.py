@@ -18,6 +18,8 @@ MM, KPA = 1e3, 1e-3
 MODE_NAMES = {0: "Gonthier", 1: "Lankarani–Nikravesh", 2: "Zhiying–Qishao"}
 
 READING_NAMES = {TRUE_LOAD: "true load", SERVO: "PFC's servo"}
+READING_SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
+"""How names of figures tell the readings apart."""
 
 PUBLICATION_NAMES = {
     "indraratna2013": "experiment of Indraratna 2013",

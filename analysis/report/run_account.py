@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from analysis.comparison.quantities import last_cycle
@@ -11,7 +9,7 @@ from analysis.driver.status import load_not_reached
 from analysis.formats.quantities import row_of
 from analysis.normalised.readers import Run
 from analysis.report.report_data import state_of, timing, tracking_percent
-from analysis.report.sentences import lines
+from analysis.report.sentences import lines, slug
 from analysis.report.tables.runs import STATE_KIND
 
 
@@ -19,7 +17,7 @@ def run_entry(run: Run) -> dict:
     """One run in a few sentences."""
     state, reason = state_of(run)
     return {
-        "anchor": re.sub(r"[^a-z0-9]+", "-", run.id.lower()),
+        "anchor": slug(run.id),
         "name": run.id,
         "state": state,
         "kind": STATE_KIND.get(state, "open"),

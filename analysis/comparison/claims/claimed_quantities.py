@@ -17,14 +17,6 @@ def _at(run, cycle: int) -> pd.Series | None:
     return rows.iloc[0] if len(rows) else None
 
 
-def value_after(run, name: str, cycle: int) -> float:
-    """Any quantity of a run's tables after `cycle`, in SI units; nan where the run cannot say it."""
-    stored = next((table for table in (run.cycles, run.microstructure) if name in table), None)
-    table = quantities.per_cycle(run) if stored is None else stored
-    rows = table.loc[table["cycle"] == cycle, name]
-    return float(rows.iloc[0]) if len(rows) else math.nan
-
-
 def settlement(run, cycle: int) -> float:
     """Settlement at minimum load after `cycle`, m."""
     row = _at(run, cycle)

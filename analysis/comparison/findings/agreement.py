@@ -8,7 +8,7 @@ code with one bed is taken to scatter as much as the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -187,11 +187,8 @@ def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
     """Settlement of runs from one bed that differ in code, time step or rounding alone (columns SAME_BED); cycle 0 is
     preload.
     """
-    found = list(found)
-    by_run = {id(m.run): m for m in found}
     rows = []
-    for pair in same_bed.same_bed_pairs([m.run for m in found]):
-        m = by_run[id(pair.one)]
+    for m, pair in _pairs(found):
         for row in same_bed.settlements(pair).to_dict("records"):
             rows.append(
                 {
@@ -210,13 +207,17 @@ def same_bed_table(found: Iterable[Member]) -> pd.DataFrame:
 
 def pairs_by_bed(found: Iterable[Member]) -> dict[tuple[str, str, str], list[same_bed.Pair]]:
     """Pairs of runs from one bed that differ in one thing alone, by scenario, reading and checksum of the bed."""
-    found = list(found)
+    by_bed: dict[tuple[str, str, str], list[same_bed.Pair]] = {}
+    for m, pair in _pairs(found):
+        by_bed.setdefault((m.scenario, m.reading, m.bed), []).append(pair)
+    return by_bed
+
+
+def _pairs(found: Iterable[Member]) -> Iterator[tuple[Member, same_bed.Pair]]:
+    """Pairs of runs from one bed, each with the member that its first run is."""
     by_run = {id(m.run): m for m in found}
-    groups: dict[tuple[str, str, str], list[same_bed.Pair]] = {}
-    for pair in same_bed.same_bed_pairs([m.run for m in found]):
-        m = by_run[id(pair.one)]
-        groups.setdefault((m.scenario, m.reading, m.bed), []).append(pair)
-    return groups
+    for pair in same_bed.same_bed_pairs([m.run for m in by_run.values()]):
+        yield by_run[id(pair.one)], pair
 
 
 HALF_STEP = 0.02
@@ -254,11 +255,12 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     rows = []
     for (profile, scenario, reading, bed), part in pairs.groupby(["profile", "scenario", "reading", "bed"], sort=False):
         size = part.assign(size=part["difference_ratio"].abs())
-        alike = (more["profile"] == profile) & (more["scenario"] == scenario) & (more["reading"] == reading)
         codes, band = size[size["differs"] == "code"], size[size["differs"] != "code"]
-        band = pd.concat([part for part in (band, more[alike]) if len(part)] or [band], ignore_index=True)
         if codes.empty:
             continue
+        alike = (more["profile"] == profile) & (more["scenario"] == scenario) & (more["reading"] == reading)
+        if alike.any():
+            band = pd.concat([band, more[alike]], ignore_index=True) if len(band) else more[alike]
         last = codes["cycle"].max()
         late = [float(part.loc[part["cycle"] == last, "size"].max()) for part in (codes, band)]
         codes, band = (part[part["cycle"] <= same_bed.JUDGED_CYCLES] for part in (codes, band))

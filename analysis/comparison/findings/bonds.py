@@ -7,23 +7,9 @@ from collections.abc import Iterable
 import pandas as pd
 
 from analysis.comparison.findings.agreement import CYCLES
-from analysis.comparison.findings.members import Member
+from analysis.comparison.findings.members import IDENTITY, Member
 
-COLUMNS = (
-    "run",
-    "profile",
-    "scenario",
-    "variant",
-    "reading",
-    "code",
-    "seed",
-    "cycle",
-    "bonds_made",
-    "bonds",
-    "bonds_broken_tension",
-    "bonds_broken_shear",
-    "broken_share",
-)
+COLUMNS = (*IDENTITY, "cycle", "bonds_made", "bonds", "bonds_broken_tension", "bonds_broken_shear", "broken_share")
 
 
 def bonds_table(listed: Iterable[Member]) -> pd.DataFrame:

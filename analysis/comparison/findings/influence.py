@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import pandas as pd
 
 from analysis.comparison.findings.members import Member
-from analysis.comparison.quantities import last_cycle, lateral_mean
+from analysis.comparison.quantities import last_cycle, value_after
 from analysis.formats.quantities import QUANTITIES
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 
@@ -89,7 +89,7 @@ def changes(base: Member, varied: Member, cycle: int, scatter: pd.DataFrame) -> 
     (nan where the two have no common sign) and scatter_ratio, see `influence_table`.
     """
     for quantity in CHANGED:
-        before, after = (after_cycle(m.run, cycle, quantity) for m in (base, varied))
+        before, after = (value_after(m.run, quantity, cycle) for m in (base, varied))
         yield {
             "profile": varied.run.profile,
             "scenario": varied.scenario,
@@ -109,13 +109,6 @@ def changes(base: Member, varied: Member, cycle: int, scatter: pd.DataFrame) -> 
 def _changed(base: str, varied: str, profile: str) -> frozenset[str]:
     one, other = (load_scenario(name, profile) for name in (base, varied))
     return frozenset(one.changed_keys(other))
-
-
-def after_cycle(run, cycle: int, quantity: str) -> float:
-    """Settlement or mean lateral displacement of the plates after a cycle, m; nan without."""
-    cycles = run.cycles[run.cycles["cycle"] == cycle]
-    values = lateral_mean(cycles) if quantity == "lateral_mean_m" else cycles[quantity]
-    return float(values.iloc[0]) if len(values) else math.nan
 
 
 def spread_between_beds(scatter: pd.DataFrame, member: Member, quantity: str, cycle: int) -> float:

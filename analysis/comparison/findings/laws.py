@@ -8,8 +8,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from analysis.comparison import settlement_fits
-from analysis.comparison.findings.members import Member
-from analysis.comparison.findings.runs import IDENTITY
+from analysis.comparison.findings.members import IDENTITY, Member
 from analysis.comparison.quantities import last_cycle
 
 PARAMETERS = settlement_fits.LAWS["exponential"].parameters

@@ -19,6 +19,9 @@ SERVO_VARIANT = "servo"
 
 SAME_BED_VARIANT = "same-bed"
 
+IDENTITY = ("run", "profile", "scenario", "variant", "reading", "code", "seed")
+"""The first columns of every table with a row per run."""
+
 
 @dataclass(frozen=True)
 class Member:
@@ -70,16 +73,10 @@ class Member:
 
     @property
     def identity(self) -> dict:
-        """The first columns of every table with a row per run."""
-        return {
-            "run": self.run.id,
-            "profile": self.run.profile,
-            "scenario": self.scenario,
-            "variant": "+".join(self.variants),
-            "reading": self.reading,
-            "code": self.run.code,
-            "seed": self.run.seed,
-        }
+        """The values of IDENTITY."""
+        run, variant = self.run, "+".join(self.variants)
+        values = (run.id, run.profile, self.scenario, variant, self.reading, run.code, run.seed)
+        return dict(zip(IDENTITY, values, strict=True))
 
 
 def member(run: Run) -> Member:

@@ -8,8 +8,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from analysis.comparison import codes, quantities
-from analysis.comparison.findings.members import TRUE_LOAD, Member
-from analysis.comparison.findings.runs import IDENTITY
+from analysis.comparison.findings.members import IDENTITY, TRUE_LOAD, Member
 from analysis.formats.quantities import row_of
 from analysis.normalised.readers import Run
 from analysis.scenarios.study import key_scenarios

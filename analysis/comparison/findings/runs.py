@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from analysis.comparison import quantities
-from analysis.comparison.findings.members import SERVO, Member
+from analysis.comparison.findings.members import IDENTITY, SERVO, Member
 from analysis.comparison.quantities import last_cycle
 from analysis.scenarios import derived
 
@@ -22,7 +22,6 @@ LOAD = ("cycles", "stress_min_Pa", "stress_max_Pa", "tracking_worst_ratio", "tra
 COST = ("step_s", "steps_per_cycle", "steps_per_s", "seconds_per_cycle", "hours_per_1000_cycles")
 STAGES = ("clumps", "porosity_1", "porosity_2", "porosity_3", "porosity_mean", "coordination_number", "overlap_mean_m")
 STAGES += ("overlap_max_ratio",)
-IDENTITY = ("run", "profile", "scenario", "variant", "reading", "code", "seed")
 
 
 def _frame(rows: list[dict], columns: tuple[str, ...]) -> pd.DataFrame:
@@ -52,8 +51,7 @@ def coverage_table(found: Iterable[Member]) -> pd.DataFrame:
 
 def rates_table(found: Iterable[Member]) -> pd.DataFrame:
     """Settlement, lateral displacement and heave of the cribs per cycle in spans of cycles, and the trend of settling
-    up
-    to the end of each span, so that runs are compared at equal cycles: IDENTITY, quantities.RATES and `trend`.
+    up to the end of each span, so that runs are compared at equal cycles: IDENTITY, quantities.RATES and `trend`.
     """
     rows = []
     for m in found:

@@ -16,7 +16,7 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from analysis.comparison.findings.members import SERVO, Member
+from analysis.comparison.findings.members import IDENTITY, SERVO, Member
 from analysis.comparison.quantities import last_cycle
 from analysis.scenarios import derived
 
@@ -25,13 +25,7 @@ LAST_CYCLES = 5
 """The response is measured over the last cycles, when the mean stress has come up."""
 
 SERVO_COLUMNS = (
-    "run",
-    "profile",
-    "scenario",
-    "variant",
-    "reading",
-    "code",
-    "seed",
+    *IDENTITY,
     "law",
     "cycle",
     "gain",
@@ -150,12 +144,8 @@ def elastic_table(found: Iterable[Member]) -> pd.DataFrame:
             continue
         for cycle, row in m.run.unloaded.set_index("cycle").iterrows():
             rows.append(
-                {
-                    "run": m.run.id,
-                    "scenario": m.scenario,
-                    "reading": m.reading,
-                    "code": m.run.code,
-                    "seed": m.run.seed,
+                m.identity
+                | {
                     "cycle": int(cycle),
                     "stress_before_Pa": row["stress_before_Pa"],
                     "settlement_m": row["settlement_before_m"],

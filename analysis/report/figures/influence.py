@@ -8,12 +8,11 @@ from matplotlib.ticker import MaxNLocator
 from analysis.comparison.findings.members import SERVO
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
-from analysis.report.labels import READING_NAMES, short_name, variant_name
+from analysis.report.labels import READING_NAMES, READING_SLUGS, short_name, variant_name
 from analysis.report.style import SOFT
 
 LARGEST = 2.0
 """Bars end here; the number says the rest."""
-
 
 TITLE_START = -0.66
 """Of the axes' width: where their title starts, above the names of the bars."""
@@ -43,7 +42,7 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
         part = part.sort_values("change_ratio", key=abs)
         base = part["base"].iloc[0]
         c = style.canvas(
-            f"influence-{quantity}-{scenario}-{'servo' if reading == SERVO else 'force'}",
+            f"influence-{quantity}-{scenario}-{READING_SLUGS[reading]}",
             f"Change of {what} in {short_name(scenario)}, {READING_NAMES[reading]}; largest: "
             f"{variant_name(part['variant'].iloc[-1])} {100 * part['change_ratio'].iloc[-1]:+.0f} %",
             height=1.08 + 0.24 * len(part),

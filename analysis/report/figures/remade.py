@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from analysis.comparison.findings.members import SERVO, TRUE_LOAD
 from analysis.normalised.readers import Run, Runs
 from analysis.report.figure import Figure, Gallery, family_of
 from analysis.report.figures.beds import KEPT_BED, bed_figure, kept_bed_figure
@@ -13,7 +12,7 @@ from analysis.report.figures.lateral import PROFILE_CYCLES, lateral_figure
 from analysis.report.figures.load import stress_figure
 from analysis.report.figures.porosity import porosity_figure
 from analysis.report.figures.settlement import measured_shape_figure, settlement_figure, shape_figure
-from analysis.report.labels import KPA, MODE_NAMES, READING_NAMES
+from analysis.report.labels import KPA, MODE_NAMES, READING_NAMES, READING_SLUGS
 from analysis.report.report_data import KEY_SCENARIOS
 from analysis.report.sentences import slug
 from analysis.scenarios.scenario import load_scenario
@@ -23,8 +22,6 @@ OF_CHEN = (
     "touch at the end of packing (assumed). It is not their published curve, which is pending."
 )
 AS_ABOVE = "Chen et al.'s model as in the figure before."
-
-SLUGS = {TRUE_LOAD: "force", SERVO: "servo"}
 
 
 def figure5(gallery: Gallery, candidates: Sequence[Run], kept: Path) -> list[Figure | None]:
@@ -92,14 +89,14 @@ def figure10(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
         settlement_figure(
             gallery,
             linear,
-            f"figure10-settlement-{SLUGS[reading]}",
+            f"figure10-settlement-{READING_SLUGS[reading]}",
             f"Figure 10 remade, {where}: settlement, linear contacts",
             "Friction 0.7, 0.8 and 0.9, between clumps and at walls.",
         ),
         lateral_figure(
             gallery,
             linear,
-            f"figure10-lateral-{SLUGS[reading]}",
+            f"figure10-lateral-{READING_SLUGS[reading]}",
             f"Figure 10 remade, {where}: lateral displacement, linear contacts",
             "Over depth below the sleeper.",
             cycles=PROFILE_CYCLES,
@@ -113,7 +110,7 @@ def figure11(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
         gallery,
         runs,
         settlement_figure,
-        f"figure11-{SLUGS[reading]}",
+        f"figure11-{READING_SLUGS[reading]}",
         f"Figure 11 remade, {READING_NAMES[reading]}: settlement",
         "eₙ is the nominal restitution; eₙ = 1 is the same law in all modes.",
     )
@@ -125,7 +122,7 @@ def figure12(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
         gallery,
         runs,
         lambda *what: lateral_figure(*what, cycles=PROFILE_CYCLES),
-        f"figure12-{SLUGS[reading]}",
+        f"figure12-{READING_SLUGS[reading]}",
         f"Figure 12 remade, {READING_NAMES[reading]}: lateral displacement",
         "Over depth below the sleeper.",
     )
@@ -137,7 +134,7 @@ def figure13(gallery: Gallery, runs: Runs, reading: str) -> list[Figure | None]:
         porosity_figure(
             gallery,
             Runs(run for run in runs if run.base_name in KEY_SCENARIOS),
-            f"figure13-{SLUGS[reading]}",
+            f"figure13-{READING_SLUGS[reading]}",
             f"Figure 13b, c remade, {READING_NAMES[reading]}: porosity during loading",
             "Of the exact union of spheres over a fixed set of points; standard error about 0.001. Cycle 0 is the "
             "end of preload.",
@@ -191,7 +188,7 @@ def shape_figures(gallery: Gallery, runs: Sequence[Run], reading: str) -> list[F
         shape_figure(
             gallery,
             runs,
-            f"settlement-shape-{SLUGS[reading]}",
+            f"settlement-shape-{READING_SLUGS[reading]}",
             f"Settlement over that of the first cycle, {READING_NAMES[reading]}",
             "Published laws as shapes (broken grey): their absolute size belongs to other loads and beds. "
             "Coefficients are transcribed from secondary quotation.",
@@ -199,7 +196,7 @@ def shape_figures(gallery: Gallery, runs: Sequence[Run], reading: str) -> list[F
         measured_shape_figure(
             gallery,
             runs,
-            f"measured-shape-{SLUGS[reading]}",
+            f"measured-shape-{READING_SLUGS[reading]}",
             f"Settlement beside triaxial tests, {READING_NAMES[reading]}",
         ),
     ]

@@ -152,9 +152,7 @@ def restitution_rows() -> Table | None:
         wide.reset_index(),
         "What comes out of a free impact at the paper's nominal restitutions",
         [
-            Shown(
-                "damping_mode", text=lambda row: f"Md {row.damping_mode}, {MODE_NAMES[row.damping_mode]}", number=False
-            ),
+            Shown("damping_mode", text=mode_of, number=False),
             *(Shown(f"out_{n}", f"eₙ = {e:g}", digits=4) for n, e in enumerate(nominal)),
         ],
     )
