@@ -61,6 +61,5 @@ def same_bed_parts(data: ReportData, profile: str) -> list[dict]:
     for (scenario, reading, bed), found in pairs_by_bed(members).items():
         basis = join_id(scenario, (SERVO_VARIANT,) if reading == SERVO else ())
         figure = same_bed_figure(data.gallery, found, f"same-bed-{profile}-{bed[:6]}-{basis}", short_name(basis))
-        name = f"{short_name(basis)}, bed {bed[:8]}"
-        parts.append({"name": name, "table": pairs_table(found, name), "figure": figure})
+        parts.append({"table": pairs_table(found, f"{short_name(basis)}, bed {bed[:8]}"), "figure": figure})
     return parts
