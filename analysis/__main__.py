@@ -23,7 +23,7 @@ COMMANDS = {  # name: module, purpose
     "findings": ("report.export", "write the findings as CSV tables"),
     "readme": ("report.readme", "write the README's results and hours, from the kept runs"),
     "docs": ("docs.write", "write docs/ and PARAMETERS.md from the scenario file and the code"),
-    "verify": ("verification.verify", "compare contact laws and clumps of both codes with closed forms"),
+    "verify": ("verification.verify_command", "compare contact laws and clumps of both codes with closed forms"),
     "impact": ("verification.impact", "simulate an impact of two bodies in both codes"),
     "mutations": (
         "verification.mutations",

@@ -71,3 +71,14 @@ def test_what_yade_reads_needs_no_more_than_numpy():
         code += f"from {name.rpartition('.')[0]} import {name.rpartition('.')[2]}\n"
     done = subprocess.run([sys.executable, "-c", code], cwd=ANALYSIS.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_no_two_modules_and_no_two_classes_share_a_name():
+    """A name alone says which room is meant."""
+    paths = [path for folder in (ANALYSIS, ANALYSIS.parent / "yade") for path in folder.rglob("*.py")]
+    modules = [path.stem for path in paths if path.stem not in ("__init__", "__main__")]
+    assert not {name for name in modules if modules.count(name) > 1}
+    classes = [
+        node.name for path in paths for node in ast.parse(path.read_text()).body if isinstance(node, ast.ClassDef)
+    ]
+    assert not {name for name in classes if classes.count(name) > 1}

@@ -5,7 +5,8 @@ import sys
 import numpy as np
 import pytest
 
-from analysis.driver.bench import beds, profile, stock, tables
+from analysis.driver.bench import bench_beds, profile, stock_deck
+from analysis.driver.bench.bench_tables import comparison, exponent, read_timings, renew
 from analysis.driver.bench.meter import measure
 from analysis.driver.engine import EngineError
 from analysis.formats import kept_tables
@@ -60,9 +61,9 @@ def wide(width):
 
 def test_a_wider_bed_is_made_of_mirror_images():
     bed = bed_of_columns()
-    doubled = beds.widened(bed, wide(2.0), 2.0)
+    doubled = bench_beds.widened(bed, wide(2.0), 2.0)
     assert len(doubled) == 2 * len(bed)
-    centres = beds.sphere_centres(doubled, CLUMP.half_distance_m)
+    centres = bench_beds.sphere_centres(doubled, CLUMP.half_distance_m)
     mirrored = centres * [1, -1, 1] + [0, 2 * derived.apparatus(SCENARIO).width_m, 0]
 
     def sorted_points(points):
@@ -73,17 +74,17 @@ def test_a_wider_bed_is_made_of_mirror_images():
 
 
 def test_a_narrow_bed_reaches_into_no_wall():
-    narrow = beds.widened(bed_of_columns(), wide(0.33), 0.33)
+    narrow = bench_beds.widened(bed_of_columns(), wide(0.33), 0.33)
     width = derived.apparatus(wide(0.33)).width_m
-    centres = beds.sphere_centres(narrow, CLUMP.half_distance_m)
+    centres = bench_beds.sphere_centres(narrow, CLUMP.half_distance_m)
     assert 0 < len(narrow) < len(bed_of_columns())
-    assert (centres[..., 1] + CLUMP.radius_m).max() <= width + beds.DEEPEST * CLUMP.radius_m
+    assert (centres[..., 1] + CLUMP.radius_m).max() <= width + bench_beds.DEEPEST * CLUMP.radius_m
 
 
 def test_a_box_of_triangles_is_closed_and_has_the_size_of_the_block():
     block = derived.Block((0.0, 0.1, 0.2), (0.5, 0.4, 0.9))
     corners = [
-        tuple(map(float, line.split()[1:])) for line in stock.box_stl("x", block).splitlines() if "vertex" in line
+        tuple(map(float, line.split()[1:])) for line in stock_deck.box_stl("x", block).splitlines() if "vertex" in line
     ]
     triangles = np.array(corners).reshape(-1, 3, 3)
     area = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
@@ -100,19 +101,19 @@ def test_ratios_are_of_cycles_and_of_medians():
     timings = [timing("paper", 100, cpu) for cpu in (1.0, 0.5, 9.0)]
     timings += [timing("stock", 100, 2.0), timing("verified", 100, 1.0, cycle=500)]
     baseline = [{"code": "liggghts", "law": "linear", "steps_per_cpu_s": 80.0, "stock_steps_per_cpu_s": 100.0}]
-    rows = {case: (speed, ratio) for case, _, _, speed, ratio in tables.comparison(timings, baseline)}
+    rows = {case: (speed, ratio) for case, _, _, speed, ratio in comparison(timings, baseline)}
     assert rows["over_stock"] == (100.0, 2.0)
     assert rows["ours_paper_step"] == (100.0, 2.5)  # the baseline makes 40 steps where stock makes 50
     assert rows["ours_verified_step"] == (100.0, 5.0)  # half as many steps in a cycle
 
 
 def test_without_a_baseline_ours_are_compared_with_stock_only():
-    rows = tables.comparison([timing("paper", 100, 1.0), timing("stock", 100, 2.0)], [])
+    rows = comparison([timing("paper", 100, 1.0), timing("stock", 100, 2.0)], [])
     assert [row[0] for row in rows] == ["over_stock"]
 
 
 def test_the_exponent_of_a_power_law_is_found():
-    assert tables.exponent([(n, 5e6 / n) for n in (500, 1500, 4573)]) == pytest.approx(-1, abs=1e-12)
+    assert exponent([(n, 5e6 / n) for n in (500, 1500, 4573)]) == pytest.approx(-1, abs=1e-12)
 
 
 def test_a_timing_without_wall_time_is_read_back(tmp_path):
@@ -120,15 +121,15 @@ def test_a_timing_without_wall_time_is_read_back(tmp_path):
     table = GrowingCsv(tmp_path / "timings.csv", kept_tables.TIMINGS.columns)
     table.start()
     table.append([("yade", "linear", "stock", 4573, 1, 400, 17216, 6.0, float("nan"), 1.0)])
-    (row,) = tables.read_timings(table.path)
+    (row,) = read_timings(table.path)
     assert row["cpu_s"] == 6.0 and np.isnan(row["wall_s"])
 
 
 def test_a_table_keeps_the_rows_of_codes_that_were_not_timed_again(tmp_path):
     table = tmp_path / "benchmark.csv"
-    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
-    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
-    tables.renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
+    renew(table, kept_tables.BENCHMARK, [("over_stock", "yade", "linear", 1.0, 2.0)], key=("code", "law"))
+    renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 3.0, 4.0)], key=("code", "law"))
+    renew(table, kept_tables.BENCHMARK, [("over_stock", "liggghts", "linear", 5.0, 6.0)], key=("code", "law"))
     assert table.read_text().splitlines()[1:] == [
         "over_stock,liggghts,linear,5.0,6.0",
         "over_stock,yade,linear,1.0,2.0",

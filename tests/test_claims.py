@@ -30,7 +30,7 @@ from analysis.comparison.findings.members import READINGS, SERVO, SERVO_VARIANT,
 from analysis.comparison.restitution import restitution_table
 from analysis.files import CLAIMS_FILE
 from analysis.reference.curves import COLUMNS, PENDING_COLUMNS, References, sidecars
-from analysis.scenarios import derived, study
+from analysis.scenarios import derived, study_list
 from analysis.scenarios.scenario import join_id, load_scenario, scenario_names, split_id
 
 DEPTH = np.array([0.293, 0.228, 0.163, 0.098, 0.033])  # plates 1 (bottom) to 5
@@ -710,7 +710,7 @@ def the_study():
     scenarios and Chen's in both readings, three seeds of five of them, 1000 cycles of some, one YADE bed.
     """
     runs, known = [], scenario_names(group="paper") + scenario_names(group="chen2015")
-    for row in study.final_rows():
+    for row in study_list.final_rows():
         name, variants = split_id(row.scenario)
         if name in known and variants in ((), (SERVO_VARIANT,)):
             reading = SERVO if variants else TRUE_LOAD

@@ -17,7 +17,7 @@ from analysis.normalised.frames import read_table
 from analysis.normalised.readers import load_runs
 from analysis.reference.curves import load_references
 from analysis.report import demo_outcome
-from analysis.report.tables.demo import beside_table
+from analysis.report.tables.demo_tables import beside_table
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario
 

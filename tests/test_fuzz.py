@@ -16,7 +16,7 @@ from synthetic import write_run
 from analysis.__main__ import main as ballast
 from analysis.comparison.claims.verdicts import ClaimError, load_claims
 from analysis.driver import checkpoints, status
-from analysis.driver.bench import tables
+from analysis.driver.bench import bench_tables
 from analysis.driver.unload import add_row
 from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, ROOT
 from analysis.formats import bed_file, file_columns, kept_tables, table_file
@@ -31,15 +31,15 @@ from analysis.reference.reported import reported
 from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.answer import step_shares
-from analysis.report.figures.verification import case_curves
-from analysis.report.pages.verification import case_table
-from analysis.report.tables.benchmark import profile_table, sizes_table, speeds_table
-from analysis.report.tables.calibration import calibration_table
-from analysis.report.tables.timestep import runs_table, shares_table
-from analysis.scenarios import cost, derived, study
+from analysis.report.figures.verification_figures import case_curves
+from analysis.report.pages.verification_page import case_table
+from analysis.report.tables.benchmark_tables import profile_table, sizes_table, speeds_table
+from analysis.report.tables.calibration_tables import calibration_table
+from analysis.report.tables.timestep_tables import runs_table, shares_table
+from analysis.scenarios import cost, derived, study_list
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 from analysis.verification.impact_file import read_impacts
 
 MUTATIONS = 300
@@ -201,14 +201,17 @@ def test_timings_of_a_benchmark(tmp_path):
     row = "liggghts,linear,{},4573,1,17216,17216,9.{},10.5,1.0\n"
     rows = "".join(row.format(who, k) for who in ("paper", "verified", "stock") for k in range(1, 6))
     path.write_text(file_columns.header(kept_tables.TIMINGS.columns) + rows)
-    assert fuzz(path, OF_TABLES, tables.read_timings, lambda found: tables.comparison(found, [])) > MUTATIONS / 2
+    assert (
+        fuzz(path, OF_TABLES, bench_tables.read_timings, lambda found: bench_tables.comparison(found, []))
+        > MUTATIONS / 2
+    )
 
 
 def test_the_baseline_of_the_benchmark(tmp_path, monkeypatch):
-    shutil.copy(tables.BASELINE, tmp_path)
-    path = tmp_path / tables.BASELINE.name
-    monkeypatch.setattr(tables, "BASELINE", path)
-    assert fuzz(path, OF_TEXTS, lambda path: tables.comparison([], tables.read_baseline())) > MUTATIONS / 3
+    shutil.copy(bench_tables.BASELINE, tmp_path)
+    path = tmp_path / bench_tables.BASELINE.name
+    monkeypatch.setattr(bench_tables, "BASELINE", path)
+    assert fuzz(path, OF_TEXTS, lambda path: bench_tables.comparison([], bench_tables.read_baseline())) > MUTATIONS / 3
 
 
 def test_curves_of_the_verification(tmp_path):
@@ -378,7 +381,7 @@ def test_the_list_of_the_study(tmp_path):
     """The part of a scenario file that `make study` reads; the file is read once per damage, which takes its time."""
     path = tmp_path / "scenarios.toml"
     shutil.copy(ROOT / "scenarios.toml", path)
-    assert fuzz(path, OF_TEXTS, study.rows, mutations=MUTATIONS // 3) > MUTATIONS / 12
+    assert fuzz(path, OF_TEXTS, study_list.rows, mutations=MUTATIONS // 3) > MUTATIONS / 12
 
 
 SIDECAR = """

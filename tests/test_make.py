@@ -17,7 +17,7 @@ from driver import FAKE, ROOT, copy_run, drive, read_record, results_of, run_fol
 
 from analysis.driver import keep
 from analysis.driver.locks import hold
-from analysis.scenarios import study
+from analysis.scenarios import study_list
 
 SHOW = f"{sys.executable} -c 'import sys; print(sys.argv[1:])'"
 AWKWARD = (
@@ -360,7 +360,7 @@ def test_a_batch_job_submitted_elsewhere_is_refused_in_one_line(submit, tmp_path
 
 def test_the_array_of_the_batch_script_is_the_study():
     last = re.search(r"^#SBATCH --array=0-(\d+) ", (ROOT / "slurm.sh").read_text(), re.MULTILINE)
-    assert int(last[1]) + 1 == len(study.final_rows())
+    assert int(last[1]) + 1 == len(study_list.final_rows())
 
 
 def test_shellcheck_finds_nothing_in_the_shell_scripts():

@@ -8,7 +8,7 @@ import pytest
 from synthetic import DEFAULT_LAW, LATERAL_PROFILE, LOSS_ANGLE_RAD, STROKE_M, settlement, write_run
 
 from analysis import load_runs
-from analysis.comparison import against_published, codes, quantities
+from analysis.comparison import against_published, codes, run_quantities
 from analysis.comparison.findings import agreement
 from analysis.comparison.findings.members import members
 from analysis.driver.keep import keep
@@ -70,7 +70,7 @@ def value(table, quantity, cycle=None):
 
 
 def test_stroke_stiffness_and_loop(run):
-    table = quantities.per_cycle(run)
+    table = run_quantities.per_cycle(run)
     area = derived.apparatus(run.scenario).sleeper_area_m2
     assert list(table["cycle"]) == list(range(1, CYCLES + 1)) and set(table) <= set(QUANTITIES)
     assert table["resilient_stroke_m"].to_numpy() == pytest.approx(STROKE_M)
@@ -90,8 +90,8 @@ def test_a_run_without_history_has_the_work_of_its_harmonics(results, tmp_path):
     (kept,) = load_runs(tmp_path)
     assert not sleeper_work(kept)
     # 1 %: the synthetic settlement between two minima is no pure sinusoid
-    assert quantities.per_cycle(kept)["loop_energy_J"].to_numpy() == pytest.approx(
-        quantities.per_cycle(whole)["loop_energy_J"].to_numpy(), rel=0.01
+    assert run_quantities.per_cycle(kept)["loop_energy_J"].to_numpy() == pytest.approx(
+        run_quantities.per_cycle(whole)["loop_energy_J"].to_numpy(), rel=0.01
     )
 
 
@@ -109,11 +109,11 @@ def test_the_stress_on_the_plates_is_kept_with_a_run(results, tmp_path):
 
 
 def test_increments_add_up_and_gaps_are_not_bridged(run, results):
-    table = quantities.per_cycle(run)
+    table = run_quantities.per_cycle(run)
     assert table["settlement_increment_m"].sum() == pytest.approx(run.cycles["settlement_m"].iloc[-1])
     gap = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
     gap.cycles = gap.cycles[gap.cycles["cycle"] != 3].reset_index(drop=True)
-    assert quantities.per_cycle(gap)["settlement_increment_m"].isna().tolist() == [False, False, True, False, False]
+    assert run_quantities.per_cycle(gap)["settlement_increment_m"].isna().tolist() == [False, False, True, False, False]
 
 
 def test_loops_need_a_whole_cycle(results):
@@ -126,24 +126,24 @@ def test_loops_need_a_whole_cycle(results):
     run.history = history.iloc[::8]
     assert sleeper_work(run) == {}
     run.history = history.iloc[:0]
-    assert quantities.per_cycle(run)["loop_energy_J"].isna().all()
+    assert run_quantities.per_cycle(run)["loop_energy_J"].isna().all()
 
 
 def test_lateral_profile_against_depth(run):
-    table = quantities.lateral_profile(run)
+    table = run_quantities.lateral_profile(run)
     assert table["cycle"].unique().tolist() == [1, 10, 100]
-    assert quantities.plate_depths(run.scenario) == pytest.approx([0.293, 0.228, 0.163, 0.098, 0.033])
+    assert run_quantities.plate_depths(run.scenario) == pytest.approx([0.293, 0.228, 0.163, 0.098, 0.033])
     share = settlement(DEFAULT_LAW, [10])[0] / settlement(DEFAULT_LAW, [CYCLES])[0]
     at_10 = table[table["cycle"] == 10]
-    assert at_10["depth_m"].to_numpy() == pytest.approx(quantities.plate_depths(run.scenario))
+    assert at_10["depth_m"].to_numpy() == pytest.approx(run_quantities.plate_depths(run.scenario))
     assert at_10["lateral_m"].to_numpy() == pytest.approx(5e-3 * share * np.array(LATERAL_PROFILE))
-    assert len(quantities.lateral_profile(run, [7000])) == 0
+    assert len(run_quantities.lateral_profile(run, [7000])) == 0
 
 
 def test_known_bulge(run):
     """The plates' displacements times their area, in the synthetic run and by the function itself."""
     expected = 5e-3 * sum(LATERAL_PROFILE) * derived.apparatus(run.scenario).plate_area_m2
-    assert value(quantities.summary(run), "bulge_volume_m3", CYCLES)["value"] == pytest.approx(expected)
+    assert value(run_quantities.summary(run), "bulge_volume_m3", CYCLES)["value"] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -165,8 +165,8 @@ def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fail
         {"cycle": n, "settlement_m": curve(n), **{f"lateral_{k}_m": 2e-5 * n for k in range(1, 6)}}
     )
     bed.microstructure = pd.DataFrame({"cycle": [0, *n], "crib_heave_m": [0, *(-1e-5 * n)]})
-    rates = quantities.settling_rates(bed)
-    assert quantities.trend_of(rates["settlement_rate_m"]) == trend
+    rates = run_quantities.settling_rates(bed)
+    assert run_quantities.trend_of(rates["settlement_rate_m"]) == trend
     assert rates["last_cycle"].iloc[-1] == cycles and list(rates["first_cycle"][:4]) == [0, 1, 2, 5]
     np.testing.assert_allclose(rates["lateral_rate_m"], 2e-5, rtol=1e-9)
     np.testing.assert_allclose(rates["crib_heave_rate_m"], -1e-5, rtol=1e-9)
@@ -178,33 +178,33 @@ def test_a_bed_that_shakes_down_is_told_from_one_that_ratchets_and_one_that_fail
 def test_a_run_of_a_cycle_or_none_has_no_trend(results, cycles):
     (run,) = load_runs(results, scenario="nonlinear-en1.0")
     run.cycles = run.cycles.iloc[:cycles]
-    rates = quantities.settling_rates(run)
-    assert quantities.trend_of(rates["settlement_rate_m"]) == "" and len(rates) == cycles
+    rates = run_quantities.settling_rates(run)
+    assert run_quantities.trend_of(rates["settlement_rate_m"]) == "" and len(rates) == cycles
 
 
 def test_late_slope_and_its_interval(run):
     n, held = np.arange(1, 1001), 0
     for seed in range(20):
         curve = settlement(DEFAULT_LAW, n) + 1e-5 * np.random.default_rng(seed).standard_normal(1000)
-        slope, low, high = quantities.late_slope(n, curve)
+        slope, low, high = run_quantities.late_slope(n, curve)
         assert low < slope < high and high - low < 2e-7
         held += low <= 2e-6 <= high
     assert held >= 15  # 0.95 each: fewer would happen once in 3000 times
-    assert quantities.late_slope(n, curve, first=1, last=20)[0] > 1e-4
-    assert all(map(math.isnan, quantities.late_slope(n[:12], curve[:12])))
-    assert all(map(math.isnan, quantities.late_slope([], [])))
+    assert run_quantities.late_slope(n, curve, first=1, last=20)[0] > 1e-4
+    assert all(map(math.isnan, run_quantities.late_slope(n[:12], curve[:12])))
+    assert all(map(math.isnan, run_quantities.late_slope([], [])))
 
 
 def test_summary_says_everything_or_why_not(run, short):
-    table = quantities.summary(run)
-    assert list(table) == list(quantities.SUMMARY)
+    table = run_quantities.summary(run)
+    assert list(table) == list(run_quantities.SUMMARY)
     assert ((table["missing"] == "") == table["value"].notna()).all()
     assert value(table, "settlement_m", 1000)["missing"] == f"the run has {CYCLES} cycles"
     assert value(table, "settlement_m", 10)["value"] == pytest.approx(settlement(DEFAULT_LAW, [10])[0], rel=0.05)
     for name in ("a", "b", "c", "d"):
         row = value(table, f"exponential_{name}")
         assert row["low"] <= DEFAULT_LAW[1][name] <= row["high"]
-    brief = quantities.summary(short)
+    brief = run_quantities.summary(short)
     assert "too few" in value(brief, "exponential_c")["missing"]
     assert value(brief, "late_slope_m")["missing"] == "the later half of 6 cycles has fewer than 10"
     assert value(brief, "settlement_m", 6)["missing"] == ""
@@ -214,20 +214,20 @@ def test_summary_of_a_damaged_run(results):
     run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
     run.microstructure, run.history = run.microstructure.iloc[:0], run.history.iloc[:0]
     run.cycles = run.cycles.assign(porosity_2=np.nan)
-    table = quantities.summary(run)
+    table = run_quantities.summary(run)
     assert value(table, "porosity_2", 6)["missing"] == "not in cycles.csv"
     assert value(table, "loop_energy_J", 6)["missing"] == "not in history.csv"
     assert value(table, "coordination_number", 6)["missing"] == "not in microstructure.csv"
     run.cycles = run.cycles.iloc[:0]
-    assert (quantities.summary(run)["missing"] != "").all()
+    assert (run_quantities.summary(run)["missing"] != "").all()
 
 
 def test_nothing_needs_the_scenario(results):
     run = load_runs(results, scenario="nonlinear-en1.0", quiet=True)[0]
     run.scenario = None
-    assert quantities.per_cycle(run)["secant_stiffness_N_m"].isna().all()
-    assert quantities.lateral_profile(run)["depth_m"].isna().all()
-    assert len(quantities.summary(run))
+    assert run_quantities.per_cycle(run)["secant_stiffness_N_m"].isna().all()
+    assert run_quantities.lateral_profile(run)["depth_m"].isna().all()
+    assert len(run_quantities.summary(run))
 
 
 # ------------------------------------------------------------------ code against code

@@ -13,7 +13,7 @@ from damage import OF_TABLES, OF_TEXTS, damaged
 from synthetic import write_run
 
 from analysis import load_runs
-from analysis.comparison import quantities
+from analysis.comparison import run_quantities
 from analysis.formats import file_columns
 from analysis.formats.errors import InputError
 from analysis.normalised import readers
@@ -88,7 +88,7 @@ def check_usable(run, case):
     assert contacts is None or list(contacts) == list(file_columns.CONTACTS), case
     if run.scenario is not None:
         assert run.scenario["geometry.box_length"] > 0, case
-    summary = quantities.summary(run, [1, 5])
+    summary = run_quantities.summary(run, [1, 5])
     assert ((summary["missing"] == "") == summary["value"].notna()).all(), case
 
 

@@ -12,7 +12,7 @@ import pytest
 from synthetic import write_run
 
 from analysis import load_runs
-from analysis.comparison import against_published, quantities
+from analysis.comparison import against_published, run_quantities
 from analysis.comparison.claims.verdicts import evaluate_claims, load_claims
 from analysis.comparison.findings.members import READINGS
 from analysis.files import PUBLISHED, ROOT
@@ -24,9 +24,9 @@ from analysis.reference.settlement_laws import settlement_laws
 from analysis.reference.settlement_shapes import settlement_shapes
 from analysis.report.build import build
 from analysis.report.figure import Gallery
-from analysis.report.figures.lateral import lateral_figure
-from analysis.report.figures.porosity import porosity_figure
-from analysis.report.figures.settlement import settlement_figure
+from analysis.report.figures.lateral_figures import lateral_figure
+from analysis.report.figures.porosity_figures import porosity_figure
+from analysis.report.figures.settlement_figures import settlement_figure
 from analysis.scenarios.scenario import scenario_names
 
 CYCLES = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000.0])
@@ -388,7 +388,7 @@ def test_curves_of_every_kind_are_listed_drawn_and_scored(folder, tmp_path, caps
     profiles = against_published.lateral_reference_table(runs, references)
     assert set(profiles["cycle"]) == {1} and {"experiment after 1"} <= set(profiles["curve"])
     first = profiles[profiles["curve"] == "experiment after 1"].iloc[0]
-    depth = quantities.plate_depths(runs[0].scenario)
+    depth = run_quantities.plate_depths(runs[0].scenario)
     theirs = np.interp(depth, DEPTH_MM * 1e-3, np.array([1.0, 2, 3, 2, 1]) * 1e-3)
     ours = runs[0].cycles.loc[0, [f"lateral_{k}_m" for k in range(1, 6)]].to_numpy(dtype=float)
     inside = (depth >= DEPTH_MM[0] * 1e-3) & (depth <= DEPTH_MM[-1] * 1e-3)

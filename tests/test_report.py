@@ -28,14 +28,14 @@ from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
 from analysis.report import data_archive, readme, style
-from analysis.report.figures.beds import KEPT_BED
+from analysis.report.figures.bed_figures import KEPT_BED
 from analysis.report.pictures import render, turnable, view
 from analysis.report.pictures.scene import kept_cycles, load_scene, packed_scene
 from analysis.report.report_data import is_variant
-from analysis.report.tables.base import number
+from analysis.report.tables.table_html import number
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
-from analysis.verification.verify import CASES as VERIFIED
+from analysis.verification.verify_command import CASES as VERIFIED
 
 PAGES = [page.file for page in report.PAGES]
 VOID = {"meta", "link", "br", "wbr", "img", "input", "hr", "line", "rect", "circle", "path", "use", "image", "polygon"}

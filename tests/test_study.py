@@ -9,10 +9,10 @@ from analysis.__main__ import main as ballast
 from analysis.driver import status
 from analysis.driver import study as command
 from analysis.driver.folder import run_folder
-from analysis.scenarios import study
+from analysis.scenarios import study_list
 from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario, scenario_names, split_id
 
-ROWS = study.rows()
+ROWS = study_list.rows()
 
 
 def asked(code, seed=1, cycles=None):
@@ -68,7 +68,7 @@ def test_all_runs_of_a_seed_share_one_packed_bed_unless_they_pack_something_else
 
 def test_no_row_is_there_twice_and_every_row_has_a_name_of_its_own():
     assert len({r.name for r in ROWS}) == len(ROWS) == len({(r.run, r.cycles) for r in ROWS})
-    final = study.final_rows()
+    final = study_list.final_rows()
     assert len({r.run for r in final}) == len(final) == len({r.run for r in ROWS})
     most = {r.run: max(other.cycles for other in ROWS if other.run == r.run) for r in ROWS}
     assert all(r.cycles == most[r.run] for r in final)
@@ -90,7 +90,7 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, old, new, words):
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new))
     with pytest.raises(ScenarioError) as caught:
-        study.rows(path)
+        study_list.rows(path)
     message = str(caught.value)
     assert message.startswith("mine.toml: ") and "\n" not in message and all(word in message for word in words)
 

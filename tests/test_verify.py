@@ -14,8 +14,9 @@ from analysis.driver import engines
 from analysis.files import KEPT_VERIFICATION, ROOT
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError, load_scenario
-from analysis.verification import impact, impact_file, impact_results, mutations, probes, verify
-from analysis.verification.cases import base, impacts, paths
+from analysis.verification import impact, impact_file, impact_results, mutations, probes, verify_command
+from analysis.verification.cases import impact_cases, path_cases
+from analysis.verification.cases.case import ProbedCase, StagedCase
 from analysis.verification.results import Results, write_rows
 
 # ------------------------------------------------------------------ the table
@@ -262,13 +263,13 @@ def test_help_makes_no_case(monkeypatch, capsys):
     def refuse(self, code):
         raise AssertionError(f"{type(self).__name__} was made")
 
-    for kind in (base.ProbedCase, base.StagedCase):
+    for kind in (ProbedCase, StagedCase):
         monkeypatch.setattr(kind, "__init__", refuse)
     with pytest.raises(SystemExit) as ended:
-        verify.main(["--help"])
-    assert ended.value.code == 0 and all(case.name in capsys.readouterr().out for case in verify.CASES[:1])
+        verify_command.main(["--help"])
+    assert ended.value.code == 0 and all(case.name in capsys.readouterr().out for case in verify_command.CASES[:1])
     with pytest.raises(AssertionError, match="was made"):
-        verify.PROBED[0]("liggghts")
+        verify_command.PROBED[0]("liggghts")
 
 
 def test_no_case_asks_which_engine_it_runs_in():
@@ -283,8 +284,8 @@ def test_no_case_asks_which_engine_it_runs_in():
 def test_head_on_measures_of_a_known_motion():
     """`measure` on a half sine: peak, duration between the crossings, restitution."""
     scenario = load_scenario("linear-mu0.8")
-    law = impacts.wall_law(scenario, 0.07)
-    probe = impacts.against_wall("known", scenario, law, 0.015, 0.07, 1.0, "linear")
+    law = impact_cases.wall_law(scenario, 0.07)
+    probe = impact_cases.against_wall("known", scenario, law, 0.015, 0.07, 1.0, "linear")
     time = np.arange(probe.steps + 1) * probe.step
     omega = math.sqrt(law.normal_stiffness / law.mass)
     touch, leave = 20.4 * probe.step, 20.4 * probe.step + math.pi / omega
@@ -297,7 +298,7 @@ def test_head_on_measures_of_a_known_motion():
     position[:, 0, 2], velocity[:, 0, 2] = 0.015 - overlap, speed
     force[:, 0, 2] = np.where(inside, law.normal_stiffness * overlap, 0)
     found = probes.Trajectory(time, position, velocity, none, force, none, *[none[:, 0, 0]] * 3)
-    measured, _, _ = impacts.measure(probe, found)
+    measured, _, _ = impact_cases.measure(probe, found)
     assert measured["peak_overlap_m"] == pytest.approx(1 / omega, rel=1e-5)
     assert measured["duration_s"] == pytest.approx(math.pi / omega, rel=1e-5)
     assert measured["restitution"] == pytest.approx(0.7)
@@ -305,7 +306,7 @@ def test_head_on_measures_of_a_known_motion():
 
 def test_path_reaches_every_branch():
     """The imposed path closes within a step, slips both ways, leaves the contact, and closes again."""
-    case = paths.PrescribedPaths("liggghts")
+    case = path_cases.PrescribedPaths("liggghts")
     for probe in case.probes():
         overlap, closing, sliding, _, _ = case.geometry(probe)
         inside = overlap > 0
@@ -329,7 +330,7 @@ def test_mutations_fit_the_source(tmp_path, mutation):
 
 @pytest.mark.parametrize("code", engines.CODES)
 def test_path_and_wall_dashpot(code, tmp_path):
-    results, _ = verify.verify([code], tmp_path, ["path", "wall-dashpot"])
+    results, _ = verify_command.verify([code], tmp_path, ["path", "wall-dashpot"])
     assert {row.case for row in results.rows} == {"path", "wall-dashpot"}
     assert [row for row in results.rows if not row.passed] == []
 
@@ -391,7 +392,7 @@ def test_a_run_that_fails_is_a_failed_row(tmp_path, monkeypatch):
     broken.write_text("#!/bin/sh\necho 'ERROR: out of order'\nexit 1\n")
     broken.chmod(0o755)
     monkeypatch.setattr(engines.LIGGGHTS, "host", broken)
-    results, _ = verify.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
+    results, _ = verify_command.verify(["liggghts"], tmp_path / "run", ["wall-dashpot", "load-control"])
     assert [(row.case, row.passed) for row in results.rows] == [("wall-dashpot", False), ("load-control", False)]
     assert "out of order" in results.rows[0].reason
 
@@ -400,7 +401,7 @@ def test_the_kept_result_passes_and_has_every_case():
     kept = KEPT_VERIFICATION
     with open(kept / "verification.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert {row["case"] for row in rows} == {case.name for case in verify.CASES}, (
+    assert {row["case"] for row in rows} == {case.name for case in verify_command.CASES}, (
         "ballast verify --out reference_data/verification"
     )
     assert all(row["passed"] == "true" for row in rows), [row for row in rows if row["passed"] != "true"]

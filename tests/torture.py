@@ -27,7 +27,7 @@ from driver import REAL, copy_run, drive, engines_of, results_of, run_folder, st
 from small_bed import write_scenarios
 
 from analysis.driver.engines import CODES
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGSTOP)
 TARGETS = ("driver", "engine", "group")

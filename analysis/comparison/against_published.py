@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import quantities
+from analysis.comparison import run_quantities
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def against_reference(cycles, settlement_m, reference_cycles, reference_m, error
     late = at >= at[-1] / 2
     slopes = (
         [np.polyfit(at[late], v[late], 1)[0] for v in (np.interp(at, cycles, ours), theirs)]
-        if late.sum() >= 2 and at[-1] >= 2 * quantities.LEAST_LATE_CYCLES
+        if late.sum() >= 2 and at[-1] >= 2 * run_quantities.LEAST_LATE_CYCLES
         else [math.nan] * 2
     )
     first = float(np.interp(at[0], cycles, ours) / theirs[0]) if at[0] <= 2 and theirs[0] else math.nan
@@ -131,7 +131,7 @@ def lateral_reference_table(runs: Iterable, references) -> pd.DataFrame:
         for (source, curve, scenario, cycle), points in curves.fillna({"scenario": ""}).groupby(
             ["source", "curve", "scenario", "cycle"], sort=True
         ):
-            ours = quantities.lateral_profile(run, [int(cycle)]).dropna()
+            ours = run_quantities.lateral_profile(run, [int(cycle)]).dropna()
             if scenario not in ("", run.scenario_name) or ours.empty:
                 continue
             points = points.sort_values("depth_m")

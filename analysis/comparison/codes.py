@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import quantities
+from analysis.comparison import run_quantities
 from analysis.formats import file_columns
 
 
@@ -17,7 +17,7 @@ def last_common_cycle(runs: Iterable) -> int:
     return min((int(run.cycles["cycle"].max()) if len(run.cycles) else 0 for run in runs), default=0)
 
 
-def lateral_agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_SHOWN) -> pd.DataFrame:
+def lateral_agreement(runs: Iterable, cycles: Sequence[int] = run_quantities.CYCLES_SHOWN) -> pd.DataFrame:
     """Shape of the lateral profiles of both codes: profile, scenario, cycle, rms_m, ratio, correlation.
 
     rms_m         rms difference of the plates' displacements (means over seeds)
@@ -37,7 +37,9 @@ def lateral_agreement(runs: Iterable, cycles: Sequence[int] = quantities.CYCLES_
         for n in [*(n for n in cycles if n < last), last]:
             mean = {}
             for code, members in found.items():
-                profiles = [quantities.lateral_profile(run, [n])["lateral_m"].to_numpy(dtype=float) for run in members]
+                profiles = [
+                    run_quantities.lateral_profile(run, [n])["lateral_m"].to_numpy(dtype=float) for run in members
+                ]
                 profiles = [p for p in profiles if len(p) == 5 and np.isfinite(p).all()]
                 mean[code] = np.mean(profiles, axis=0) if profiles else None
             yade, liggghts = mean["yade"], mean["liggghts"]

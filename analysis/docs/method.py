@@ -15,7 +15,7 @@ from analysis.formats import numbers
 from analysis.formats.markdown import table
 from analysis.scenarios import derived, deviations
 from analysis.scenarios.scenario import load_scenario, scenario_names
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 EQUATIONS = range(1, 17)
 """Of the paper's section 2."""

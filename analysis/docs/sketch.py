@@ -12,7 +12,7 @@ from html import escape
 from analysis.formats.quantities import SPHERE_NAMES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 WIDTH, HEIGHT, SCALE = 1000, 444, 520.0
 """Of the drawing, and pixels per metre."""

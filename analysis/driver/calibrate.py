@@ -32,7 +32,7 @@ from analysis.normalised.readers import Run as Result
 from analysis.reference.reported import reported
 from analysis.scenarios import derived, lattice
 from analysis.scenarios.scenario import Scenario, load_scenario
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 GAPS_M, STEP_M = (0.0133, 0.0150), 1e-4
 ASPECTS = (1.5, 1.7, 1.8, 1.875)

@@ -17,7 +17,7 @@ from analysis.files import KEPT_RUNS, sync, write_aside, write_csv
 from analysis.formats.numbers import short
 from analysis.formats.run_record import RunRecord
 from analysis.normalised.readers import Run
-from analysis.scenarios import study
+from analysis.scenarios import study_list
 
 NEEDED = ("run.json", "scenario.json", "stages.json")
 FILES = (*NEEDED, "cycles.csv", "microstructure.csv", "unload.csv", "bonds.csv", "bonds_broken.csv")
@@ -84,8 +84,8 @@ def keep_bed(folder: Path, beds: Path) -> Path | None:
     """
     body = RunRecord.read(folder)
     packed = folder / "raw" / "bed_packed.csv"
-    shared = body.bed == "own" and not body.variant and body.scenario == study.key_scenarios()[0]
-    if not shared or body.profile != study.profile() or not packed.is_file():
+    shared = body.bed == "own" and not body.variant and body.scenario == study_list.key_scenarios()[0]
+    if not shared or body.profile != study_list.profile() or not packed.is_file():
         return None
     target = beds / f"{body.code}-seed{body.seed}.csv.gz"
     if not target.exists() or gzip.decompress(target.read_bytes()) != packed.read_bytes():

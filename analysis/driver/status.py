@@ -16,7 +16,7 @@ from analysis.driver.settings import RESULTS
 from analysis.formats import file_columns, run_record, table_file
 from analysis.formats.errors import InputError, one_line
 from analysis.formats.run_record import RunRecord
-from analysis.scenarios import derived, study
+from analysis.scenarios import derived, study_list
 from analysis.scenarios.scenario import Scenario
 
 COLUMNS = (
@@ -129,8 +129,8 @@ def table(rows: list[dict[str, str]], columns: Sequence[str] = COLUMNS) -> str:
 def study_table(results: Path) -> str:
     """How much of the study's list (`make study`) is done, a line for each part."""
     parts: dict[str, dict] = {}
-    for row in study.rows():
-        folder = run_folder(results, study.profile(), row.scenario, row.code, row.seed)
+    for row in study_list.rows():
+        folder = run_folder(results, study_list.profile(), row.scenario, row.code, row.seed)
         part = parts.setdefault(row.part, dict.fromkeys(("runs", "done", "failed", "running", "cycles", "asked"), 0))
         try:
             body, done = stored_record(folder), min(cycles_done(folder), row.cycles)
@@ -166,6 +166,6 @@ def execute(chosen: argparse.Namespace) -> int:
     """`ballast status`."""
     rows = [row(folder) for folder in runs(chosen.results)]
     print(table(rows) if rows else f"no runs in {chosen.results} yet; `make demo` makes the first ones")
-    if any(row["profile"] == study.profile() for row in rows):
+    if any(row["profile"] == study_list.profile() for row in rows):
         print("\n" + study_table(chosen.results))
     return 0

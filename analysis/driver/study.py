@@ -22,7 +22,7 @@ from analysis.driver.run import run
 from analysis.driver.settings import RESULTS, RunSettings
 from analysis.driver.status import table
 from analysis.formats.errors import InputError
-from analysis.scenarios import study
+from analysis.scenarios import study_list
 from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario
 
 COLUMNS = ("part", "scenario", "code", "seed", "cycles", "bed", "done")
@@ -40,7 +40,7 @@ def settled(folder: Path, cycles: int) -> str:
     return ""
 
 
-def listing(rows: list[study.StudyRow], folder_of) -> str:
+def listing(rows: list[study_list.StudyRow], folder_of) -> str:
     """The rows as a table."""
     lines = []
     for row in rows:
@@ -53,7 +53,7 @@ def listing(rows: list[study.StudyRow], folder_of) -> str:
     return table(lines, COLUMNS)
 
 
-def makefile(rows: list[study.StudyRow], command: str) -> str:
+def makefile(rows: list[study_list.StudyRow], command: str) -> str:
     """Rules for make: a target per row, in order; a row that asks for more cycles of a run waits for the one before."""
     waits, before = [], {}
     for row in rows:
@@ -91,13 +91,13 @@ def add_arguments(parser: Parser) -> None:
 def execute(chosen: argparse.Namespace) -> int:
     """`ballast study`; exit code of --row as that of `run`."""
     try:
-        rows = study.rows(chosen.scenarios)
-        profile = chosen.profile or study.profile(chosen.scenarios)
+        rows = study_list.rows(chosen.scenarios)
+        profile = chosen.profile or study_list.profile(chosen.scenarios)
     except ScenarioError as error:
         print(error, file=sys.stderr)
         return 1
 
-    def folder_of(row: study.StudyRow) -> Path:
+    def folder_of(row: study_list.StudyRow) -> Path:
         return run_folder(chosen.results, profile, row.scenario, row.code, row.seed)
 
     if chosen.make:
@@ -106,7 +106,7 @@ def execute(chosen: argparse.Namespace) -> int:
         print(makefile(rows, shlex.join([sys.executable, "-m", "analysis", "study", *flags])), end="")
         return 0
     if chosen.count:
-        print(len(study.final_rows(chosen.scenarios)))
+        print(len(study_list.final_rows(chosen.scenarios)))
         return 0
     if chosen.row is None and chosen.array is None:
         print(listing(rows, folder_of))
@@ -115,7 +115,7 @@ def execute(chosen: argparse.Namespace) -> int:
     if chosen.array is None:
         found = [row for row in rows if row.name == chosen.row]
     else:
-        found = study.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
+        found = study_list.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
     if not found:
         print("study: no such row; `ballast study --list` prints them", file=sys.stderr)
         return 2

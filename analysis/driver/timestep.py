@@ -33,7 +33,7 @@ from analysis.normalised.sleeper_work import sleeper_work
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario, load_scenario
 from analysis.scenarios.schema import KEYS
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 SCENARIO_WITH_DASHPOTS = "nonlinear-md1-en0.6"
 """Compared beside the key scenarios, whose contacts lose energy by friction alone."""

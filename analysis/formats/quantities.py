@@ -51,7 +51,7 @@ class Quantity:
               load), what a run is held to (tracking error) and what another quantity says
     formula   of a quantity that follows after each cycle from others: a function of the columns of cycles.csv, of
               quantities that follow, too, and of the scenario's parameters, each by its name. A quantity is stored in
-              a file, has a formula, or a function in comparison/quantities.py
+              a file, has a formula, or a function in comparison/run_quantities.py
     """
 
     name: str

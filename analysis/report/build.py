@@ -25,20 +25,20 @@ from analysis.reference.curves import load_references
 from analysis.report import data_archive, style
 from analysis.report.demo_outcome import summary
 from analysis.report.figure import Gallery
-from analysis.report.figures.beds import kept_scene
-from analysis.report.figures.further import further_sections
-from analysis.report.pages.assumptions import assumptions
-from analysis.report.pages.benchmark import benchmark_page
-from analysis.report.pages.claims import claims_page
-from analysis.report.pages.comparison import comparison
-from analysis.report.pages.demo import demo_page
-from analysis.report.pages.influence import influence_page
-from analysis.report.pages.overview import overview
-from analysis.report.pages.paper_figures import paper_figures
-from analysis.report.pages.runs import runs_page
-from analysis.report.pages.servo import servo_page
-from analysis.report.pages.timestep import timestep_page
-from analysis.report.pages.verification import verification
+from analysis.report.figures.bed_figures import kept_scene
+from analysis.report.figures.further_figures import further_sections
+from analysis.report.pages.assumptions_page import assumptions
+from analysis.report.pages.benchmark_page import benchmark_page
+from analysis.report.pages.claims_page import claims_page
+from analysis.report.pages.comparison_page import comparison
+from analysis.report.pages.demo_page import demo_page
+from analysis.report.pages.figures_page import paper_figures
+from analysis.report.pages.influence_page import influence_page
+from analysis.report.pages.overview_page import overview
+from analysis.report.pages.runs_page import runs_page
+from analysis.report.pages.servo_page import servo_page
+from analysis.report.pages.timestep_page import timestep_page
+from analysis.report.pages.verification_page import verification
 from analysis.report.pictures import turnable
 from analysis.report.report_data import ReportData, is_variant, known_scenarios, verification_rows
 from analysis.report.sentences import TEMPLATES, environment

@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SAME_BED_VARIANT, Member
-from analysis.comparison.quantities import last_cycle, lateral_mean
+from analysis.comparison.run_quantities import last_cycle, lateral_mean
 from analysis.formats.quantities import CODES
 from analysis.report.sentences import lines
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from analysis.reference.reported import Reported, reported
 from analysis.scenarios.scenario import ScenarioError, load_scenario
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 PRESCRIBED = {
     "stress_min_Pa": "loading.stress_min",

@@ -23,7 +23,7 @@ from analysis.report.labels import short_name
 from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios.scenario import ScenarioError, scenario_names
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 
 def _named(ask: Callable[[], Sequence[str]]) -> tuple[str, ...]:

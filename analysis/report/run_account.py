@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 from analysis.driver.status import load_not_reached
 from analysis.formats.quantities import row_of
 from analysis.normalised.readers import Run
 from analysis.report.report_data import state_of, timing, tracking_percent
 from analysis.report.sentences import lines, slug
-from analysis.report.tables.runs import STATE_KIND
+from analysis.report.tables.run_tables import STATE_KIND
 
 
 def run_entry(run: Run) -> dict:

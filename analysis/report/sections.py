@@ -8,10 +8,10 @@ from analysis.comparison.findings.agreement import pairs_by_bed
 from analysis.comparison.findings.members import READINGS, SERVO, SERVO_VARIANT, member
 from analysis.normalised.readers import Run, Runs
 from analysis.reference.settlement_shapes import settlement_shapes
-from analysis.report.figures.same_bed import same_bed_figure
+from analysis.report.figures.same_bed_figures import same_bed_figure
 from analysis.report.labels import short_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData, key_runs
-from analysis.report.tables.agreement import pairs_table
+from analysis.report.tables.agreement_tables import pairs_table
 from analysis.scenarios.scenario import join_id
 
 WAITS = "It appears as soon as a run of one of its scenarios has finished a cycle."

@@ -14,7 +14,7 @@ from analysis.formats.quantities import GRAVITY_M_S2 as GRAVITY
 from analysis.report.labels import MM, PUBLICATION_NAMES, READING_NAMES, short_name, variant_name
 from analysis.report.paper import paper
 from analysis.report.style import CODE_NAMES
-from analysis.report.tables.base import number
+from analysis.report.tables.table_html import number
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
 

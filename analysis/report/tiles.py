@@ -8,7 +8,7 @@ from analysis.comparison.findings.agreement import AGREES
 from analysis.report.answer import of_the_paper, only, servo_filter, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
-from analysis.report.tables.base import number
+from analysis.report.tables.table_html import number
 
 
 @dataclass(frozen=True)

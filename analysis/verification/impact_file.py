@@ -43,7 +43,7 @@ from analysis.scenarios.scenario import Scenario, ScenarioError, load_scenario, 
 from analysis.scenarios.schema import KEYS as SCENARIO_KEYS
 from analysis.scenarios.schema import Key
 from analysis.verification import oracle
-from analysis.verification.cases.impacts import STEPS_BEFORE
+from analysis.verification.cases.impact_cases import STEPS_BEFORE
 from analysis.verification.engine_laws import PAPER, EngineLaws, wall_law
 from analysis.verification.probes import Ball, Probe
 

@@ -18,7 +18,7 @@ from analysis.arguments import Parser
 from analysis.driver.engines import LIGGGHTS
 from analysis.files import ROOT
 from analysis.verification import probes
-from analysis.verification.verify import verify
+from analysis.verification.verify_command import verify
 
 SOURCE = ROOT / "liggghts"
 CASES = (

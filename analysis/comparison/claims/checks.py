@@ -24,10 +24,10 @@ from analysis.comparison.claims.claimed_quantities import (
 )
 from analysis.comparison.claims.evidence import Check, Claim, Evidence, Measured, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
-from analysis.comparison.quantities import has_processor_time, value_after
+from analysis.comparison.run_quantities import has_processor_time, value_after
 from analysis.formats.quantities import QUANTITIES, SHOWN_UNITS
 from analysis.scenarios.scenario import load_scenario, scenario_names
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 LINEAR, NONLINEAR = key_scenarios()
 (BONDED,) = scenario_names(group="chen2015")

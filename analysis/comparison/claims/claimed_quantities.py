@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from analysis.comparison import against_published, quantities, settlement_fits
+from analysis.comparison import against_published, run_quantities, settlement_fits
 from analysis.formats.file_columns import PLATES, SPHERES
 from analysis.scenarios import derived
 
@@ -76,7 +76,7 @@ def seconds_per_cycle(run) -> float:
     """Computing time of one cycle of loading, s."""
     if run.scenario is None:
         return math.nan
-    return derived.time_grid(run.scenario).steps_per_cycle / quantities.steps_per_second(run)
+    return derived.time_grid(run.scenario).steps_per_cycle / run_quantities.steps_per_second(run)
 
 
 def settlement_difference(run, curve: pd.DataFrame, last: int, what: str) -> float:
@@ -96,7 +96,7 @@ def profile_error(run, curve: pd.DataFrame, cycle: int) -> float:
     """
     if run.scenario is None:
         return math.nan
-    depth, half = quantities.plate_depths(run.scenario), run.scenario["geometry.plate_height"] / 2
+    depth, half = run_quantities.plate_depths(run.scenario), run.scenario["geometry.plate_height"] / 2
     points = curve.sort_values("depth_m")
     covered = (depth >= points["depth_m"].min() - half) & (depth <= points["depth_m"].max() + half)
     if covered.sum() < 3:

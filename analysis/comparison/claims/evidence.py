@@ -27,7 +27,7 @@ from analysis.comparison.claims.uncertainty import (
     scatters,
 )
 from analysis.comparison.findings.members import Member, member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 from analysis.formats import quantities
 from analysis.formats.quantities import SHOWN_UNITS
 from analysis.reference.curves import References

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from analysis.comparison import quantities, same_bed
+from analysis.comparison import run_quantities, same_bed
 from analysis.comparison.findings.members import TRUE_LOAD, Member, groups
 from analysis.formats.quantities import CODES, COMPARED
 
@@ -33,8 +33,8 @@ VALUES = ("profile", "scenario", "reading", "code", "quantity", "cycle", "unit",
 
 def run_values(member: Member, cycles: Sequence[int] = CYCLES) -> pd.DataFrame:
     """The compared quantities of one run after those of `cycles` that it reached: quantity, cycle, unit, value."""
-    reached = [n for n in cycles if n <= quantities.last_cycle(member.run)]
-    table = quantities.after_cycles(member.run, reached)
+    reached = [n for n in cycles if n <= run_quantities.last_cycle(member.run)]
+    table = run_quantities.after_cycles(member.run, reached)
     table = table[table["quantity"].isin(COMPARED) & table["cycle"].isin(reached)]
     return table[["quantity", "cycle", "unit", "value"]].dropna(subset=["value"])
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
-from analysis.comparison.findings import agreement, bonds, influence, laws, plates, runs, servo, stock
+from analysis.comparison.findings import agreement, bond_counts, influence, laws, plate_laws, runs, servo, stock_models
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.files import KEPT_RUNS
@@ -18,7 +18,7 @@ from analysis.formats.errors import InputError
 from analysis.normalised.readers import Run
 from analysis.reference.curves import References
 from analysis.scenarios.scenario import load_scenario
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 
 @dataclass(frozen=True)
@@ -128,10 +128,10 @@ def find(
         load_tracking=runs.load_table(listed),
         servo=servo.servo_table(listed),
         elastic=servo.elastic_table(listed),
-        bonds=bonds.bonds_table(listed),
+        bonds=bond_counts.bonds_table(listed),
         influence=influence.influence_table(listed, scatter),
-        plate_laws=plates.plate_laws_table(listed),
-        stock=stock.stock_table(listed, scatter),
+        plate_laws=plate_laws.plate_laws_table(listed),
+        stock=stock_models.stock_table(listed, scatter),
         **kept,
         verdicts=judged.to_frame(verdicts),
         readings=judged.compare_readings(verdicts),

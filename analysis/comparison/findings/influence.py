@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import pandas as pd
 
 from analysis.comparison.findings.members import Member
-from analysis.comparison.quantities import last_cycle, value_after
+from analysis.comparison.run_quantities import last_cycle, value_after
 from analysis.formats.quantities import QUANTITIES
 from analysis.scenarios.scenario import ScenarioError, load_scenario
 

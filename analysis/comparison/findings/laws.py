@@ -9,7 +9,7 @@ import pandas as pd
 
 from analysis.comparison import settlement_fits
 from analysis.comparison.findings.members import IDENTITY, Member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 
 PARAMETERS = settlement_fits.LAWS["exponential"].parameters
 LAWS = ("cycles", "best", "exponential_start", "reason")

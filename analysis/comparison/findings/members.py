@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 from analysis.comparison.same_bed import ranks
 from analysis.normalised.readers import Run
 

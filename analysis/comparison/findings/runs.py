@@ -9,9 +9,9 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from analysis.comparison import quantities
+from analysis.comparison import run_quantities
 from analysis.comparison.findings.members import IDENTITY, SERVO, Member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 from analysis.scenarios import derived
 
 TRACKING_AIM = {"linear": 0.01, "hysteretic": 0.02}
@@ -42,7 +42,7 @@ def coverage_table(found: Iterable[Member]) -> pd.DataFrame:
                 "cycles_wanted": m.run.scenario["loading.cycles"] if m.run.scenario is not None else math.nan,
                 "clumps": last["clumps"],
                 "settlement_m": last["settlement_m"],
-                "lateral_mean_m": quantities.lateral_mean(m.run.cycles).iloc[-1],
+                "lateral_mean_m": run_quantities.lateral_mean(m.run.cycles).iloc[-1],
                 "step_s": derived.time_grid(m.run.scenario).step_s if m.run.scenario is not None else math.nan,
             }
         )
@@ -51,14 +51,14 @@ def coverage_table(found: Iterable[Member]) -> pd.DataFrame:
 
 def rates_table(found: Iterable[Member]) -> pd.DataFrame:
     """Settlement, lateral displacement and heave of the cribs per cycle in spans of cycles, and the trend of settling
-    up to the end of each span, so that runs are compared at equal cycles: IDENTITY, quantities.RATES and `trend`.
+    up to the end of each span, so that runs are compared at equal cycles: IDENTITY, run_quantities.RATES and `trend`.
     """
     rows = []
     for m in found:
-        spans = quantities.settling_rates(m.run)
+        spans = run_quantities.settling_rates(m.run)
         for n, span in enumerate(spans.to_dict("records")):
-            rows.append(m.identity | span | {"trend": quantities.trend_of(spans["settlement_rate_m"][: n + 1])})
-    return _frame(rows, (*quantities.RATES, "trend"))
+            rows.append(m.identity | span | {"trend": run_quantities.trend_of(spans["settlement_rate_m"][: n + 1])})
+    return _frame(rows, (*run_quantities.RATES, "trend"))
 
 
 def packed_beds_table(found: Iterable[Member]) -> pd.DataFrame:
@@ -108,7 +108,7 @@ def computing_time_table(found: Iterable[Member]) -> pd.DataFrame:
     """Cost of cyclic loading of each run whose speed is known: IDENTITY and COST."""
     rows = []
     for m in found:
-        speed = quantities.steps_per_second(m.run)
+        speed = run_quantities.steps_per_second(m.run)
         if m.run.scenario is None or math.isnan(speed):
             continue
         grid = derived.time_grid(m.run.scenario)

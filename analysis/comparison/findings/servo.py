@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.comparison.findings.members import IDENTITY, SERVO, Member
-from analysis.comparison.quantities import last_cycle
+from analysis.comparison.run_quantities import last_cycle
 from analysis.scenarios import derived
 
 HARMONICS = (("stress_amplitude_Pa", "stress_lag_rad"), ("settlement_amplitude_m", "settlement_lag_rad"))

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from analysis.driver.bench import stock
-from analysis.driver.bench.beds import Preloaded, bench_scenario, write_widened
+from analysis.driver.bench import stock_deck
+from analysis.driver.bench.bench_beds import Preloaded, bench_scenario, write_widened
 from analysis.driver.bench.meter import Speed, measure
 from analysis.driver.engine import EngineError
 from analysis.driver.engines import ENGINES
@@ -70,7 +70,7 @@ class TimedCase:
     @property
     def _stock_is_a_deck(self) -> bool:
         """Stock LIGGGHTS reads a deck that is written for the case; stock YADE runs a script, which times itself."""
-        return self.code == stock.CODE
+        return self.code == stock_deck.CODE
 
     def prepare(self) -> None:
         """Make all files that timing needs, once: inputs, bed and checkpoint. EngineError where the engine fails."""
@@ -79,7 +79,7 @@ class TimedCase:
         self.clumps = write_widened(self.bed.bed, self.scenario, self.width, packed)
         if self.who == "stock":
             if self._stock_is_a_deck:
-                stock.write_case(self.scenario, self.bed, self.folder)
+                stock_deck.write_case(self.scenario, self.bed, self.folder)
         elif not self.checkpoint.exists():
             self._finish(ENGINES[self.code].command("preload", self.folder))
 
@@ -98,7 +98,7 @@ class TimedCase:
         if self.who != "stock":
             return ENGINES[self.code].command("cyclic", self.folder, self.checkpoint, self.ranks)
         if self._stock_is_a_deck:
-            return stock.command(self.scenario, self.folder)
+            return stock_deck.command(self.scenario, self.folder)
         packed = self.folder / "raw" / "bed_packed.csv"
         steps = str(STOCK_STEPS)
         return ["yade", f"-j{self.ranks}", "-n", "-x", STOCK_SCRIPT, str(self.folder), str(packed), steps]
@@ -107,7 +107,7 @@ class TimedCase:
         """Time it once."""
         if self.who == "stock" and not self._stock_is_a_deck:
             return self._own_timing()
-        rows = self.folder / (stock.ROWS if self.who == "stock" else Path("raw") / "cyclic.csv")
+        rows = self.folder / (stock_deck.ROWS if self.who == "stock" else Path("raw") / "cyclic.csv")
         share = min(LARGEST_SHARE, SHARES[self.code] * max(1.0, 1 / self.width))  # processor time comes in ticks
         steps = int(share * derived.time_grid(self.scenario).steps_per_cycle) - 1
         (self.folder / "raw" / "state.csv").unlink(missing_ok=True)

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from analysis.arguments import Parser
 from analysis.driver import options
-from analysis.driver.bench import profile, tables
-from analysis.driver.bench.beds import Preloaded
+from analysis.driver.bench import bench_tables, profile
+from analysis.driver.bench.bench_beds import Preloaded
 from analysis.driver.bench.cases import WHO, TimedCase
 from analysis.driver.engine import EngineError
 from analysis.driver.engines import CODES, LIGGGHTS
@@ -28,7 +28,7 @@ from analysis.formats.growing_csv import GrowingCsv
 from analysis.formats.kept_tables import BENCHMARK_PROFILE, TIMINGS
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import load_scenario
-from analysis.scenarios.study import key_scenarios
+from analysis.scenarios.study_list import key_scenarios
 
 CLUMPS = (500, 1500, 4573, 15000)
 RANKS = (1, 2)
@@ -74,9 +74,9 @@ def execute(chosen: argparse.Namespace) -> int:
         print(f"bench: {error}", file=sys.stderr)
         return 1
     rows = (
-        tables.write(compare, by_size)
+        bench_tables.write(compare, by_size)
         if chosen.profile == "full"
-        else tables.comparison(tables.read_timings(compare), [])
+        else bench_tables.comparison(bench_tables.read_timings(compare), [])
     )
     print(f"{'case':20} {'code':9} {'law':10} {'steps per cpu second':>20} {'ratio':>7}")
     for case, code, law, speed, ratio in rows:
@@ -96,7 +96,7 @@ def profiled(beds: dict[str, Preloaded], codes: list[str], work: Path, size: str
     for code, law, part, share in rows:
         print(f"{code:9} {law:10} {part:42} {share:6.1%}")
     if size == "full":
-        tables.renew(tables.PROFILE, BENCHMARK_PROFILE, rows, key=("code", "law"))
+        bench_tables.renew(bench_tables.PROFILE, BENCHMARK_PROFILE, rows, key=("code", "law"))
 
 
 def comparison_cases(beds: dict[str, Preloaded], codes: list[str], work: Path, profile: str) -> list[TimedCase]:

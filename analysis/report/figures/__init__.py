@@ -1,1 +1,1 @@
-"""One module for each family of figures; `gallery` keeps what was drawn, `drawing` is what they share."""
+"""One module for each family of figures; `figure` keeps what was drawn, `curve_drawing` is what they share."""
