@@ -56,45 +56,50 @@ def draw(
     seeds = {seed: values for seed, values in (seeds or {}).items() if len(values)}
     if table.empty and not seeds:
         return
-    colour, name, tag = colour or curve.colour, name or curve.label, tag or curve.tag
-    x, y = table.index.to_numpy(float), factor * table["value"].to_numpy()
-    kept = thin(x)
-    x, y = x[kept], y[kept]
+    colour, several = colour or curve.colour, len(seeds) > 1
+    kept = thin(table.index.to_numpy(float))
+    x, y = table.index.to_numpy(float)[kept], factor * table["value"].to_numpy()[kept]
     if (table["high"] > table["low"]).any():
         low, high = (factor * table[end].to_numpy()[kept] for end in ("low", "high"))
         canvas.axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
-    several = len(seeds) > 1
-    options = (
-        curve.look
-        | {
-            "markersize": 3.8,
-            "markevery": _marks(x),
-            "markeredgewidth": 1.0,
-            "linewidth": 2.0 if several else 1.5 if len(x) < 30 else 1.2,
-            "markerfacecolor": PAPER if curve.code == "yade" else colour,
-        }
-        | look
-    )
     ends = [(x[-1], y[-1])] if len(x) else []
-    for values in seeds.values() if several else ():
-        at = thin(values.index.to_numpy(float))
-        xs, ys = values.index.to_numpy(float)[at], factor * values.to_numpy()[at]
-        canvas.axes.plot(xs, ys, color=colour, linewidth=0.7, linestyle=curve.look["linestyle"], zorder=1.8)
-        ends.append((xs[-1], ys[-1]))
+    if several:
+        ends += _draw_seeds(canvas, seeds, factor, colour, curve.look["linestyle"])
     if len(x):
-        canvas.axes.plot(x, y, color=colour, **options)
+        canvas.axes.plot(x, y, color=colour, **_look_of_mean(curve, x, colour, several) | look)
     if label:
         longest = max(ends, key=lambda end: end[0])
-        canvas.labels.append((*(ends[0] if ends[0][0] >= NEAR_END * longest[0] else longest), tag, colour))
+        place = ends[0] if ends[0][0] >= NEAR_END * longest[0] else longest
+        canvas.labels.append((*place, tag or curve.tag, colour))
     if hover:
+        values = [None if v != v else float(f"{v:.5g}") for v in y]
         canvas.series.append(
-            {
-                "label": name,
-                "colour": css(colour),
-                "x": [float(v) for v in x],
-                "y": [None if v != v else float(f"{v:.5g}") for v in y],
-            }
+            {"label": name or curve.label, "colour": css(colour), "x": [float(v) for v in x], "y": values}
         )
+
+
+def _draw_seeds(
+    canvas: Canvas, seeds: Mapping[int, pd.Series], factor: float, colour: str, linestyle
+) -> list[tuple[float, float]]:
+    """A thin line for each packing seed; their ends."""
+    ends = []
+    for values in seeds.values():
+        at = thin(values.index.to_numpy(float))
+        x, y = values.index.to_numpy(float)[at], factor * values.to_numpy()[at]
+        canvas.axes.plot(x, y, color=colour, linewidth=0.7, linestyle=linestyle, zorder=1.8)
+        ends.append((x[-1], y[-1]))
+    return ends
+
+
+def _look_of_mean(curve: Curve, x: np.ndarray, colour: str, several: bool) -> dict:
+    """Line and markers of a curve over `x`; bold where it is the mean of several seeds, which are drawn thin."""
+    return curve.look | {
+        "markersize": 3.8,
+        "markevery": _marks(x),
+        "markeredgewidth": 1.0,
+        "linewidth": 2.0 if several else 1.5 if len(x) < 30 else 1.2,
+        "markerfacecolor": PAPER if curve.code == "yade" else colour,
+    }
 
 
 def css(colour: str) -> str:

@@ -175,24 +175,28 @@ def end_labels(canvas: Canvas, size: float = SMALL) -> None:
         return
     _make_room(canvas, size)
     canvas.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in canvas.labels]
-    axes, height = canvas.axes, canvas.axes.get_window_extent().height
-    step = size * 1.25 * canvas.figure.dpi / 72
-    if not canvas.leaders:
-        for n, (_, _, text, colour) in enumerate(canvas.labels):
-            axes.text(
-                1.04,
-                1 - (n + 0.5) * step / height,
-                text,
-                transform=axes.transAxes,
-                fontsize=size,
-                color=colour,
-                va="center",
-            )
-        return
+    if canvas.leaders:
+        _label_ends(canvas, size)
+    else:
+        _list_labels(canvas, size)
+
+
+def _list_labels(canvas: Canvas, size: float) -> None:
+    """The labels as a list from the top, in their own order."""
+    axes, height, step = canvas.axes, canvas.axes.get_window_extent().height, _line_height(canvas, size)
+    for n, (_, _, text, colour) in enumerate(canvas.labels):
+        y = 1 - (n + 0.5) * step / height
+        axes.text(1.04, y, text, transform=axes.transAxes, fontsize=size, color=colour, va="center")
+
+
+def _label_ends(canvas: Canvas, size: float) -> None:
+    """The labels beside the ends of their curves, each with a line to its end."""
+    axes, height, step = canvas.axes, canvas.axes.get_window_extent().height, _line_height(canvas, size)
     ends = axes.transAxes.inverted().transform(axes.transData.transform([(x, y) for x, y, _, _ in canvas.labels]))
     wanted = ends[:, 1] * height
     order = np.argsort(wanted, kind="stable")
     placed = _apart(np.clip(wanted[order], 0, height), step, -step / 2, height + step / 2)
+    leader = {"arrowstyle": "-", "linewidth": 0.6, "alpha": 0.6, "shrinkA": 1, "shrinkB": 3, "relpos": (0, 0.5)}
     for position, n in zip(placed, order, strict=True):
         _, _, text, colour = canvas.labels[n]
         axes.annotate(
@@ -206,16 +210,13 @@ def end_labels(canvas: Canvas, size: float = SMALL) -> None:
             va="center",
             ha="left",
             annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-",
-                "color": colour,
-                "linewidth": 0.6,
-                "alpha": 0.6,
-                "shrinkA": 1,
-                "shrinkB": 3,
-                "relpos": (0, 0.5),
-            },
+            arrowprops=leader | {"color": colour},
         )
+
+
+def _line_height(canvas: Canvas, size: float) -> float:
+    """Of text of `size` points, in pixels."""
+    return size * 1.25 * canvas.figure.dpi / 72
 
 
 def _make_room(canvas: Canvas, size: float) -> None:
@@ -264,29 +265,8 @@ def save(canvas: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) ->
     codes   those whose signs the files must explain; a page does it above the panels
     """
     end_labels(canvas)
-    width, height = canvas.figure.get_size_inches()
-    if len(codes) > 1:
-        canvas.figure.text(
-            1 - 0.06 / width,
-            (STAMP_HEIGHT + 0.06) / height,
-            "\n".join(f"{CODE_SIGNS[code]} {CODE_NAMES[code]}" for code in codes),
-            fontsize=7,
-            color=SOFT,
-            va="bottom",
-            ha="right",
-            gid="codes",
-        )
-    canvas.figure.text(
-        0.06 / width,
-        0.05 / height,
-        stamp,
-        fontsize=5.5,
-        color=SOFT,
-        va="bottom",
-        ha="left",
-        gid="stamp",
-        linespacing=1.25,
-    )
+    height = canvas.figure.get_size_inches()[1]
+    _sign(canvas, stamp, codes)
     hover = _hover(canvas, height)
     with matplotlib.rc_context({"svg.hashsalt": canvas.name}):
         canvas.figure.savefig(
@@ -305,6 +285,18 @@ def save(canvas: Canvas, folder: Path, stamp: str, codes: Sequence[str] = ()) ->
     (folder / f"{canvas.name}.svg").write_text(re.sub(r"(<svg[^>]*>)", lambda m: m.group(1) + backdrop, text, count=1))
     canvas.table.to_csv(folder / f"{canvas.name}.csv", index=False, float_format="%.9g", lineterminator="\n")
     return Panel(canvas.name, alt_text(canvas), _inline(text, canvas, height), hover)
+
+
+def _sign(canvas: Canvas, stamp: str, codes: Sequence[str]) -> None:
+    """The version stamp at the lower left, and what the signs of several codes mean at the lower right."""
+    width, height = canvas.figure.get_size_inches()
+    look = {"color": SOFT, "va": "bottom"}
+    if len(codes) > 1:
+        signs = "\n".join(f"{CODE_SIGNS[code]} {CODE_NAMES[code]}" for code in codes)
+        place = 1 - 0.06 / width, (STAMP_HEIGHT + 0.06) / height
+        canvas.figure.text(*place, signs, fontsize=7, ha="right", gid="codes", **look)
+    place = 0.06 / width, 0.05 / height
+    canvas.figure.text(*place, stamp, fontsize=5.5, ha="left", gid="stamp", linespacing=1.25, **look)
 
 
 TOLD = 6

@@ -9,7 +9,7 @@ from analysis.comparison.findings.agreement import AGREES_WITHIN
 from analysis.formats.quantities import COMPARED
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
-from analysis.report.style import SOFT
+from analysis.report.style import SOFT, Canvas
 
 GROUPS = {  # name, marker: quantities
     ("settle- ment", "o"): ("settlement_m", "settlement_peak_m"),
@@ -43,30 +43,16 @@ def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figu
         if part.empty:
             continue
         x = at + np.arange(len(part))
-        ratio = part["liggghts_mean"] / part["yade_mean"]
         linear = part["scenario"].map(lambda scenario: gallery.look(scenario)[1] == "linear")
         for hue, chosen in (("linear", linear), ("nonlinear", ~linear)):
-            if not chosen.any():
-                continue
-            low, high = (part.loc[chosen, f"{end}_ratio"] for end in ("low", "high"))
-            own = ratio[chosen]
-            ends = [_ratio_of(v.clip(-1.8, 1.8)) for v in (low, high)]
-            c.axes.vlines(x[chosen.to_numpy()], ends[0], ends[1], color=style.shade(hue), linewidth=0.8, alpha=0.6)
-            c.axes.plot(x[chosen.to_numpy()], own, marker, color=style.shade(hue), markersize=4, linestyle="none")
+            if chosen.any():
+                _draw_ratios(c, x[chosen.to_numpy()], part[chosen], marker, style.shade(hue))
         ticks.append(x.mean())
-        labels.append(label)
+        labels.append(label.replace(" ", "\n", 1))
         at = x[-1] + 4
     c.axes.axhline(1, color=SOFT, linewidth=1)
     c.axes.axhspan(_ratio_of(-AGREES_WITHIN), _ratio_of(AGREES_WITHIN), color=SOFT, alpha=0.18, linewidth=0)
-    c.axes.set_yscale("log")
-    c.axes.set_ylim(0.25, 4)
-    c.axes.set_yticks([0.25, 0.5, 0.8, 1, 1.25, 2, 4], ["0.25", "0.5", "0.8", "1", "1.25", "2", "4"])
-    c.axes.minorticks_off()
-    c.axes.set_xticks(ticks, [text.replace(" ", "\n", 1) for text in labels])
-    c.axes.set_ylabel("LIGGGHTS over YADE")
-    for hue, right in (("linear", 0.6), ("nonlinear", 1.0)):  # above the axes, where no mark is
-        look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "bottom"}
-        c.axes.text(right, 1.03, f"{hue} model", transform=c.axes.transAxes, **look)
+    _label_axes(c, ticks, labels)
     c.table = rows
     return gallery.finish(
         name,
@@ -77,6 +63,28 @@ def scatter_figure(gallery: Gallery, agreement: pd.DataFrame, name: str) -> Figu
         [c],
         [],
     )
+
+
+def _draw_ratios(canvas: Canvas, x: np.ndarray, part: pd.DataFrame, marker: str, colour: str) -> None:
+    """A mark for each row of `part` at `x`, with its interval."""
+    low, high = (_ratio_of(part[f"{end}_ratio"].clip(-1.8, 1.8)) for end in ("low", "high"))
+    canvas.axes.vlines(x, low, high, color=colour, linewidth=0.8, alpha=0.6)
+    ratio = part["liggghts_mean"] / part["yade_mean"]
+    canvas.axes.plot(x, ratio, marker, color=colour, markersize=4, linestyle="none")
+
+
+def _label_axes(canvas: Canvas, ticks: list[float], labels: list[str]) -> None:
+    """Ratios upward, groups of quantities along; the hues are explained above the axes, where no mark is."""
+    axes = canvas.axes
+    axes.set_yscale("log")
+    axes.set_ylim(0.25, 4)
+    axes.set_yticks([0.25, 0.5, 0.8, 1, 1.25, 2, 4], ["0.25", "0.5", "0.8", "1", "1.25", "2", "4"])
+    axes.minorticks_off()
+    axes.set_xticks(ticks, labels)
+    axes.set_ylabel("LIGGGHTS over YADE")
+    for hue, right in (("linear", 0.6), ("nonlinear", 1.0)):
+        look = {"color": style.text_colour(style.shade(hue)), "fontsize": style.SMALL, "ha": "right", "va": "bottom"}
+        axes.text(right, 1.03, f"{hue} model", transform=axes.transAxes, **look)
 
 
 def _counted(rows: pd.DataFrame) -> str:

@@ -74,30 +74,9 @@ def _view(run: Run, name: str, axis: str) -> style.Canvas:
     heading = f"{short_name(run.scenario_name)}, {CODE_NAMES.get(run.code, run.code)}"
     key = f"{name}-{run.scenario_name}-{run.code}" + (f"-seed{run.seed}" if run.seed != 1 else "")
     c = style.canvas(f"{key}-{axis}", f"{heading}: where bonds broke, {along}", right=1.3)
-    k = "xy".index(axis)
-    blocks = [box.sleeper, *(box.plates if axis == "x" else ())]
-    for block in blocks:
-        low, high = MM * np.array(block.low), MM * np.array(block.high)
-        size = high[k] - low[k], high[2] - low[2]
-        c.axes.add_patch(Rectangle((low[k], low[2]), *size, facecolor=SOFT, alpha=0.3, linewidth=0))
     span = (box.end_m, box.length_m) if axis == "x" else (0.0, box.width_m)
-    c.axes.add_patch(
-        Rectangle((MM * span[0], 0), MM * (span[1] - span[0]), MM * box.height_m, fill=False, edgecolor=SOFT, zorder=1)
-    )
-    for words, first, last, hue, level in WHEN:
-        part = broken[broken["cycle"].between(first, last if last is not None else np.inf)]
-        if len(part):
-            colour = hue if hue == SOFT else style.shade(hue, level)
-            c.axes.scatter(
-                MM * part[f"{axis}_m"],
-                MM * part["z_m"],
-                s=5,
-                color=colour,
-                linewidths=0,
-                label=f"{words}: {len(part)}",
-                rasterized=True,
-            )
-    c.axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, markerscale=2.5, title="broken")
+    _draw_outlines(c, box, axis, span)
+    _draw_broken(c, broken, axis)
     top = max(MM * box.sleeper.high[2], MM * broken["z_m"].max())
     c.axes.set(
         xlim=(MM * span[0] - 15, MM * span[1] + (40 if axis == "x" else 15)),
@@ -110,3 +89,32 @@ def _view(run: Run, name: str, axis: str) -> style.Canvas:
     c.axes.grid(False)
     c.table = broken.assign(run=run_id(run))
     return c
+
+
+def _draw_outlines(canvas: style.Canvas, box: derived.Apparatus, axis: str, span: tuple[float, float]) -> None:
+    """The sleeper, the plates where they are seen from the side, and the box over `span` (m)."""
+    k = "xy".index(axis)
+    for block in (box.sleeper, *(box.plates if axis == "x" else ())):
+        low, high = MM * np.array(block.low), MM * np.array(block.high)
+        size = high[k] - low[k], high[2] - low[2]
+        canvas.axes.add_patch(Rectangle((low[k], low[2]), *size, facecolor=SOFT, alpha=0.3, linewidth=0))
+    canvas.axes.add_patch(
+        Rectangle((MM * span[0], 0), MM * (span[1] - span[0]), MM * box.height_m, fill=False, edgecolor=SOFT, zorder=1)
+    )
+
+
+def _draw_broken(canvas: style.Canvas, broken: pd.DataFrame, axis: str) -> None:
+    """A dot for each broken bond, coloured by when it broke, and a legend with their numbers."""
+    for words, first, last, hue, level in WHEN:
+        part = broken[broken["cycle"].between(first, last if last is not None else np.inf)]
+        if len(part):
+            canvas.axes.scatter(
+                MM * part[f"{axis}_m"],
+                MM * part["z_m"],
+                s=5,
+                color=hue if hue == SOFT else style.shade(hue, level),
+                linewidths=0,
+                label=f"{words}: {len(part)}",
+                rasterized=True,
+            )
+    canvas.axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, markerscale=2.5, title="broken")

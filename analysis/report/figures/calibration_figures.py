@@ -34,30 +34,44 @@ def _packed(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -
     packed = beds[beds["scenario"] == beds["scenario"].iloc[0]].dropna(subset=["clumps", "porosity_mean"])
     colour, _ = gallery.look(beds["scenario"].iloc[0])
     for bed in packed.itertuples():
-        is_chosen = (bed.aspect, bed.lattice_gap_m) == chosen
-        c.axes.plot(
-            bed.clumps,
-            bed.porosity_mean,
-            "o",
-            color=colour,
-            markersize=6,
-            markeredgewidth=1.3,
-            markerfacecolor=colour if is_chosen else PAPER,
-        )
-        text = f"aspect {bed.aspect:g}" if bed.lattice_gap_m == chosen[1] else f"gap {bed.lattice_gap_m * MM:g} mm"
-        c.axes.annotate(
-            text,
-            (bed.clumps, bed.porosity_mean),
-            xytext=(-6 if is_chosen else 6, 0),  # the paper's mark stands right of the chosen bed
-            textcoords="offset points",
-            va="center",
-            ha="right" if is_chosen else "left",
-            fontsize=style.SMALL,
-            color=colour,
-        )
+        _draw_bed(c, bed, chosen, colour)
+    _draw_paper(c)
+    c.axes.set(xlabel="clumps after packing (grey: ± 2 % of the paper's)", ylabel="mean porosity of the three spheres")
+    c.axes.margins(0.14, 0.1)
+    c.table = packed
+    return c
+
+
+def _draw_bed(canvas: Canvas, bed, chosen: tuple[float, float], colour: str) -> None:
+    """A mark for a row of the beds, filled where it was chosen, with its aspect or gap."""
+    is_chosen = (bed.aspect, bed.lattice_gap_m) == chosen
+    canvas.axes.plot(
+        bed.clumps,
+        bed.porosity_mean,
+        "o",
+        color=colour,
+        markersize=6,
+        markeredgewidth=1.3,
+        markerfacecolor=colour if is_chosen else PAPER,
+    )
+    text = f"aspect {bed.aspect:g}" if bed.lattice_gap_m == chosen[1] else f"gap {bed.lattice_gap_m * MM:g} mm"
+    canvas.axes.annotate(
+        text,
+        (bed.clumps, bed.porosity_mean),
+        xytext=(-6 if is_chosen else 6, 0),  # the paper's mark stands right of the chosen bed
+        textcoords="offset points",
+        va="center",
+        ha="right" if is_chosen else "left",
+        fontsize=style.SMALL,
+        color=colour,
+    )
+
+
+def _draw_paper(canvas: Canvas) -> None:
+    """The clumps and the porosity that the paper reports."""
     paper = reported()
-    c.axes.plot(paper.clumps, paper.porosity, "+", color=INK, markersize=13, markeredgewidth=1.6)
-    c.axes.annotate(
+    canvas.axes.plot(paper.clumps, paper.porosity, "+", color=INK, markersize=13, markeredgewidth=1.6)
+    canvas.axes.annotate(
         "paper",
         (paper.clumps, paper.porosity),
         xytext=(-8, 5),
@@ -66,11 +80,7 @@ def _packed(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -
         fontsize=style.SMALL,
         color=INK,
     )
-    c.axes.axvspan(0.98 * paper.clumps, 1.02 * paper.clumps, color=SOFT, alpha=0.12, linewidth=0)
-    c.axes.set(xlabel="clumps after packing (grey: ± 2 % of the paper's)", ylabel="mean porosity of the three spheres")
-    c.axes.margins(0.14, 0.1)
-    c.table = packed
-    return c
+    canvas.axes.axvspan(0.98 * paper.clumps, 1.02 * paper.clumps, color=SOFT, alpha=0.12, linewidth=0)
 
 
 def _settled(gallery: Gallery, beds: pd.DataFrame, chosen: tuple[float, float]) -> Canvas | None:

@@ -23,7 +23,7 @@ from analysis.report.curve_drawing import (
     reference_csv,
     up_to,
 )
-from analysis.report.figure import Figure, Gallery
+from analysis.report.figure import Curve, Figure, Gallery
 from analysis.report.labels import MM, of_any_bed, short_name
 from analysis.report.style import CODE_NAMES, CODE_SIGNS, SOFT, Canvas
 from analysis.scenarios import derived
@@ -35,48 +35,54 @@ def porosity_figure(
 ) -> Figure | None:
     """Porosity of the three measurement spheres against cycles, one panel per scenario, whatever bed it began from."""
     curves = gallery.curves(runs)
-    drawn = []
     pending = pending_names(gallery.references, "porosity", {c.scenario for c in curves}) if references else []
+    drawn = []
     for scenario in dict.fromkeys(of_any_bed(curve.scenario) for curve in curves):
         members = [curve for curve in curves if of_any_bed(curve.scenario) == scenario]
-        family = members[0].family
-        top = MARKED_TOP if pending else 0.32
-        c = style.canvas(
-            f"{name}-{scenario}", f"Porosity in the three spheres, {short_name(scenario)}", height=2.68 + top, top=top
-        )
-        for curve in members:
-            for k, sphere in enumerate(SPHERE_NAMES, start=1):
-                colour = style.shade(family, k - 2.0)
-                table = curve.column(f"porosity_{k}", "microstructure")
-                if table.empty:
-                    table = curve.column(f"porosity_{k}")
-                draw(
-                    c,
-                    curve,
-                    table,
-                    1.0,
-                    colour=colour,
-                    name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
-                    tag=f"{k} {sphere}" + (f" {CODE_SIGNS.get(curve.code, '◆')}" if len(members) > 1 else ""),
-                )
         rows = gallery.references.curve("porosity", scenario=scenario)
-        rows = rows if references else rows.iloc[:0]
-        draw_references(c, up_to(rows, last_cycle_of(members)), "cycle", 1.0)
-        c.axes.set_ylabel("porosity")
-        cycle_axis(c, last_cycle_of(members), False)
-        c.axes.set_title(short_name(scenario))
-        pending_mark(c, pending, rows)
-        columns = ["cycle", *(f"porosity_{k}" for k in file_columns.SPHERES), "porosity_error"]
-        points = [
-            reference_csv(part, **{"cycle": "cycle", f"porosity_{sphere:.0f}": "value", "porosity_error": "error"})
-            for sphere, part in rows.groupby("sphere")
-        ]
-        c.table = pd.concat([curve_rows(members, columns, "microstructure"), *points])
+        c = _panel(f"{name}-{scenario}", scenario, members, rows if references else rows.iloc[:0], pending)
         drawn.append(c)
     limits = [c.axes.get_ylim() for c in drawn]
     for c in drawn:  # one scale, so that the models' ranges can be compared
         c.axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
     return gallery.finish(name, title, caption, drawn, runs, curves, pending)
+
+
+def _panel(name: str, scenario: str, members: Sequence[Curve], rows: pd.DataFrame, pending: Sequence[str]) -> Canvas:
+    """The curves of one scenario over its reference points `rows`; `pending` are references that are not there."""
+    top = MARKED_TOP if pending else 0.32
+    c = style.canvas(name, f"Porosity in the three spheres, {short_name(scenario)}", height=2.68 + top, top=top)
+    for curve in members:
+        _draw_spheres(c, curve, members[0].family, CODE_SIGNS.get(curve.code, "◆") if len(members) > 1 else "")
+    draw_references(c, up_to(rows, last_cycle_of(members)), "cycle", 1.0)
+    c.axes.set_ylabel("porosity")
+    cycle_axis(c, last_cycle_of(members), False)
+    c.axes.set_title(short_name(scenario))
+    pending_mark(c, pending, rows)
+    columns = ["cycle", *(f"porosity_{k}" for k in file_columns.SPHERES), "porosity_error"]
+    points = [
+        reference_csv(part, **{"cycle": "cycle", f"porosity_{sphere:.0f}": "value", "porosity_error": "error"})
+        for sphere, part in rows.groupby("sphere")
+    ]
+    c.table = pd.concat([curve_rows(members, columns, "microstructure"), *points])
+    return c
+
+
+def _draw_spheres(canvas: Canvas, curve: Curve, family: str, sign: str) -> None:
+    """A curve for each sphere, from microstructure.csv or, in runs without it, from cycles.csv."""
+    for k, sphere in enumerate(SPHERE_NAMES, start=1):
+        table = curve.column(f"porosity_{k}", "microstructure")
+        if table.empty:
+            table = curve.column(f"porosity_{k}")
+        draw(
+            canvas,
+            curve,
+            table,
+            1.0,
+            colour=style.shade(family, k - 2.0),
+            name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
+            tag=f"{k} {sphere} {sign}".rstrip(),
+        )
 
 
 def sphere_figure(gallery: Gallery, setup: Scenario) -> Figure:

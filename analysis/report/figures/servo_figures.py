@@ -12,7 +12,7 @@ from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import KPA, short_name
 from analysis.report.paper import paper
-from analysis.report.style import SOFT
+from analysis.report.style import SOFT, Canvas
 
 MARKS = {"linear": ("linear", "o"), "hysteretic": ("nonlinear", "s")}
 
@@ -35,20 +35,7 @@ def filter_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         c = style.canvas(f"servo-{name}", f"{label} against the servo's time constant, filter and runs", right=1.2)
         c.axes.plot(x, factor * law, color=SOFT, linewidth=1.4)
         c.labels.append((x[-1], factor * law[-1], "the filter", SOFT))
-        for model, (hue, marker) in MARKS.items():
-            part = (
-                known[known["law"] == model]
-                .assign(at=lambda t: load.omega_per_s * t["time_constant_s"])
-                .sort_values("at")
-            )
-            if part.empty:
-                continue
-            c.axes.plot(
-                part["at"], factor * part[column], marker, color=style.shade(hue), markersize=5, markerfacecolor="none"
-            )
-            last = part.iloc[-1]
-            told = f"{'nonlinear' if model == 'hysteretic' else model} runs"
-            c.labels.append((last["at"], factor * last[column], told, style.shade(hue)))
+        _draw_runs(c, known, load.omega_per_s, column, factor)
         c.axes.set_xscale("log")
         c.axes.set(xlabel=f"2π × {load.frequency_Hz:g} Hz × time constant", ylabel=label)
         c.table = known
@@ -63,6 +50,20 @@ def filter_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         drawn,
         [],
     )
+
+
+def _draw_runs(canvas: Canvas, known: pd.DataFrame, omega_per_s: float, column: str, factor: float) -> None:
+    """A mark per run, in the hue of its contact law."""
+    for model, (hue, marker) in MARKS.items():
+        part = known[known["law"] == model]
+        part = part.assign(at=omega_per_s * part["time_constant_s"]).sort_values("at")
+        if part.empty:
+            continue
+        colour = style.shade(hue)
+        canvas.axes.plot(part["at"], factor * part[column], marker, color=colour, markersize=5, markerfacecolor="none")
+        last = part.iloc[-1]
+        told = f"{'nonlinear' if model == 'hysteretic' else model} runs"
+        canvas.labels.append((last["at"], factor * last[column], told, colour))
 
 
 def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
@@ -81,20 +82,7 @@ def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         left=2.0,
         right=0.2,
     )
-    for n, row in enumerate(rows.itertuples()):
-        hue = MARKS[row.law][0]
-        c.axes.plot(
-            [KPA * row.stress_min_Pa, KPA * row.stress_max_Pa],
-            [n, n],
-            color=style.shade(hue),
-            linewidth=4,
-            solid_capstyle="butt",
-        )
-    names = [
-        f"{short_name('+'.join((r.scenario, *filter(None, [r.variant]))))} {style.CODE_SIGNS[r.code]}"
-        for r in rows.itertuples()
-    ]
-    c.axes.set_yticks(range(len(rows)), names, fontsize=style.SMALL)
+    _draw_ranges(c, rows)
     load = paper()
     for stress in (load.stress_min_Pa, load.stress_max_Pa):
         c.axes.axvline(KPA * stress, color=SOFT, linewidth=1, linestyle=(0, (3, 2)))
@@ -109,3 +97,19 @@ def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         [c],
         [],
     )
+
+
+def _draw_ranges(canvas: Canvas, rows: pd.DataFrame) -> None:
+    """A bar per run from least to largest stress, with the run's name beside it."""
+    names = []
+    for n, row in enumerate(rows.itertuples()):
+        canvas.axes.plot(
+            [KPA * row.stress_min_Pa, KPA * row.stress_max_Pa],
+            [n, n],
+            color=style.shade(MARKS[row.law][0]),
+            linewidth=4,
+            solid_capstyle="butt",
+        )
+        scenario = "+".join((row.scenario, *filter(None, [row.variant])))
+        names.append(f"{short_name(scenario)} {style.CODE_SIGNS[row.code]}")
+    canvas.axes.set_yticks(range(len(rows)), names, fontsize=style.SMALL)

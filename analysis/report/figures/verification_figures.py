@@ -14,7 +14,7 @@ from analysis.report.curve_drawing import css
 from analysis.report.figure import Gallery
 from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, PAPER, SOFT
 from analysis.report.tables.table_html import number
-from analysis.verification.case_sketch import Sketch
+from analysis.verification.case_sketch import Disc, Sketch
 from analysis.verification.cases.case import Case
 
 WHERE = re.compile(r",| (?:of (?!contact)|at|with|after|around|between|on|against|stored|while|in|across)\b")
@@ -111,13 +111,7 @@ def _sketch(name: str, title: str, seen: Sketch) -> style.Canvas:
     c = style.canvas(name, f"Sketch: {title}, at the start, seen from the side", left=0.1, right=0.1, bottom=0.1)
     size = min(disc.radius for disc in seen.discs if not disc.hollow)
     near = [disc for disc in seen.discs if disc.radius <= 100 * size]
-    for disc in seen.discs:
-        face = "none" if disc.hollow else style.shade("other", -1) if disc.held else style.shade("linear", -1)
-        look = {"linestyle": (0, (4, 2))} if disc.hollow else {"hatch": "///"} if disc.held else {}
-        c.axes.add_patch(Circle((disc.x, disc.z), disc.radius, facecolor=face, edgecolor=INK, linewidth=0.8, **look))
-    for disc in near:
-        if not disc.held and not disc.hollow:
-            c.axes.plot(disc.x, disc.z, ".", color=INK, markersize=2)
+    _draw_discs(c, seen, near)
     xs = [disc.x + side * disc.radius for disc in near for side in (-1.2, 1.2)]
     zs = [disc.z + side * disc.radius for disc in near for side in (-1.2, 1.2)]
     if seen.block:
@@ -130,20 +124,8 @@ def _sketch(name: str, title: str, seen: Sketch) -> style.Canvas:
         x, z = zip(*seen.way, strict=True)
         c.axes.plot(x, z, color=style.shade("nonlinear"), linewidth=1.6)
         xs, zs = [*xs, *x], [*zs, *z]
-    for arrow in seen.arrows:
-        tip = (arrow.x + 1.9 * size * arrow.along_x, arrow.z + 1.9 * size * arrow.along_z)
-        c.axes.annotate("", tip, (arrow.x, arrow.z), arrowprops=ARROW | {"color": style.shade("nonlinear")})
-        xs, zs = [*xs, tip[0]], [*zs, tip[1], arrow.z]
-    for x, z in seen.spins:
-        c.axes.add_patch(
-            FancyArrowPatch(
-                (x - 0.5 * size, z + 0.3 * size),
-                (x + 0.5 * size, z + 0.3 * size),
-                connectionstyle="arc3,rad=-0.6",
-                **ARROW,
-                color=style.shade("nonlinear"),
-            )
-        )
+    for x, z in _draw_motion(c, seen, size):
+        xs, zs = [*xs, x], [*zs, z]
     if seen.lid_m is not None:
         c.axes.plot([min(xs), max(xs)], [seen.lid_m] * 2, color=INK, linewidth=3)
     if seen.floor:
@@ -152,14 +134,45 @@ def _sketch(name: str, title: str, seen: Sketch) -> style.Canvas:
         zs.append(-0.35 * size)
     if seen.weight:
         c.axes.annotate("gravity", (0.9, 0.78), (0.9, 0.97), "axes fraction", arrowprops=ARROW, ha="center", fontsize=9)
-    box = c.axes.get_window_extent()
-    scale = max(np.ptp(xs) / box.width, np.ptp(zs) / box.height) / 2
-    for values, pixels, limit in ((xs, box.width, c.axes.set_xlim), (zs, box.height, c.axes.set_ylim)):
-        middle = (min(values) + max(values)) / 2
-        limit(middle - scale * pixels, middle + scale * pixels)
+    _show_all(c, xs, zs)
     c.axes.set_axis_off()
     c.table = pd.DataFrame([vars(disc) for disc in seen.discs])
     return c
+
+
+def _draw_discs(canvas: style.Canvas, seen: Sketch, near: list[Disc]) -> None:
+    """Spheres: free ones with a dot at their centre, held ones hatched, hollow ones in broken lines."""
+    for disc in seen.discs:
+        face = "none" if disc.hollow else style.shade("other", -1) if disc.held else style.shade("linear", -1)
+        look = {"linestyle": (0, (4, 2))} if disc.hollow else {"hatch": "///"} if disc.held else {}
+        patch = Circle((disc.x, disc.z), disc.radius, facecolor=face, edgecolor=INK, linewidth=0.8, **look)
+        canvas.axes.add_patch(patch)
+    for disc in near:
+        if not disc.held and not disc.hollow:
+            canvas.axes.plot(disc.x, disc.z, ".", color=INK, markersize=2)
+
+
+def _draw_motion(canvas: style.Canvas, seen: Sketch, size: float) -> list[tuple[float, float]]:
+    """Arrows of velocities and spins, `size` m long or so; the places that the velocities' arrows take."""
+    colour, taken = style.shade("nonlinear"), []
+    for arrow in seen.arrows:
+        start = (arrow.x, arrow.z)
+        tip = (arrow.x + 1.9 * size * arrow.along_x, arrow.z + 1.9 * size * arrow.along_z)
+        canvas.axes.annotate("", tip, start, arrowprops=ARROW | {"color": colour})
+        taken += [tip, (tip[0], arrow.z)]
+    for x, z in seen.spins:
+        ends = (x - 0.5 * size, z + 0.3 * size), (x + 0.5 * size, z + 0.3 * size)
+        canvas.axes.add_patch(FancyArrowPatch(*ends, connectionstyle="arc3,rad=-0.6", **ARROW, color=colour))
+    return taken
+
+
+def _show_all(canvas: style.Canvas, xs: list[float], zs: list[float]) -> None:
+    """Limits of the axes around these places, at true scale."""
+    axes, box = canvas.axes, canvas.axes.get_window_extent()
+    scale = max(np.ptp(xs) / box.width, np.ptp(zs) / box.height) / 2
+    for values, pixels, limit in ((xs, box.width, axes.set_xlim), (zs, box.height, axes.set_ylim)):
+        middle = (min(values) + max(values)) / 2
+        limit(middle - scale * pixels, middle + scale * pixels)
 
 
 def _off(curves: dict[str, pd.DataFrame], series: str, column: str) -> str:
@@ -220,29 +233,11 @@ def _curve(name: str, curves: dict[str, pd.DataFrame], series: str, column: str)
     (x_label, x_factor), (y_label, y_factor) = axis_of(abscissa, greatest[0]), axis_of(column, greatest[1])
     c = style.canvas(name, f"{y_label} against {x_label}, {series}", left=0.75, right=0.2)
     for code, part in chosen.items():
-        look = CODE_STYLES.get(code, OTHER_STYLE)
         x, y = x_factor * part[abscissa].to_numpy(), y_factor * part[column].to_numpy()
-        colour, few = _colour(series), len(part) <= FEW
         if f"{column}_expected" in part:
             expected = y_factor * part[f"{column}_expected"]
             c.axes.plot(x, expected, color=SOFT, linewidth=5, alpha=0.35, zorder=1, solid_capstyle="round")
-        c.axes.plot(
-            x,
-            y,
-            color=colour,
-            linewidth=0 if few else 1.2,
-            linestyle=look["linestyle"],
-            marker=look["marker"] if few else "",
-            markersize=4.2 if code == "liggghts" else 6,
-            zorder=3 if code == "liggghts" else 2,
-            markerfacecolor=PAPER if code == "yade" else colour,
-            markeredgecolor=colour,
-        )
-        if len(part) <= MOST_HOVERED:
-            values = [None if v != v else float(f"{v:.6g}") for v in y]
-            c.series.append(
-                {"label": CODE_NAMES[code], "colour": css(colour), "x": [float(f"{v:.6g}") for v in x], "y": values}
-            )
+        _draw_found(c, code, x, y, _colour(series))
     low, high = c.axes.get_ylim()
     room = max(0.0, LEAST_RANGE * max(abs(low), abs(high)) - (high - low)) / 2
     c.axes.set_ylim(low - room, high + room)
@@ -253,6 +248,28 @@ def _curve(name: str, curves: dict[str, pd.DataFrame], series: str, column: str)
         [part[[k for k in columns if k in part]].assign(code=code) for code, part in chosen.items()], ignore_index=True
     )
     return c
+
+
+def _draw_found(canvas: style.Canvas, code: str, x: np.ndarray, y: np.ndarray, colour: str) -> None:
+    """What a code found: a line, or marks where points are few; hover values where they are not too many."""
+    look, few = CODE_STYLES.get(code, OTHER_STYLE), len(x) <= FEW
+    canvas.axes.plot(
+        x,
+        y,
+        color=colour,
+        linewidth=0 if few else 1.2,
+        linestyle=look["linestyle"],
+        marker=look["marker"] if few else "",
+        markersize=4.2 if code == "liggghts" else 6,
+        zorder=3 if code == "liggghts" else 2,
+        markerfacecolor=PAPER if code == "yade" else colour,
+        markeredgecolor=colour,
+    )
+    if len(x) <= MOST_HOVERED:
+        values = [None if v != v else float(f"{v:.6g}") for v in y]
+        canvas.series.append(
+            {"label": CODE_NAMES[code], "colour": css(colour), "x": [float(f"{v:.6g}") for v in x], "y": values}
+        )
 
 
 def _colour(series: str) -> str:

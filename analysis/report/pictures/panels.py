@@ -24,6 +24,9 @@ STEEL = (0.36, 0.42, 0.48)
 
 PICTURE_WIDTH = 1600
 
+FOOT = 0.62
+"""Inches below a picture, for its scale and what its colours mean."""
+
 CUT_FROM_WIDTH_M = 0.25
 """Beds at least this wide are cut open along the sleeper; a narrow slice is drawn whole."""
 
@@ -114,27 +117,25 @@ def picture(
     )
 
 
-def _picture_canvas(name: str, alt: str, view: render.Camera, foot: float, title: str) -> style.Canvas:
-    """An empty panel with the camera's window at true scale, `foot` inches below it and a line for the title above
-    it.
-    """
+def _picture_canvas(name: str, alt: str, view: render.Camera, title: str) -> style.Canvas:
+    """An empty panel with the camera's window at true scale, FOOT below it and a line for the title above it."""
     width = 6.0
     height = width * (view.high[1] - view.low[1]) / (view.high[0] - view.low[0])
     head = 0.27 if title else 0.0
-    c = style.canvas(name, alt, width=width, height=height + foot + head, left=0, right=0, bottom=foot, top=head)
+    c = style.canvas(name, alt, width=width, height=height + FOOT + head, left=0, right=0, bottom=FOOT, top=head)
     c.figure.text(
-        0.005, 1 - 0.03 / (height + foot + head), title, fontsize=12.5, fontweight="bold", va="top", color=style.INK
+        0.005, 1 - 0.03 / (height + FOOT + head), title, fontsize=12.5, fontweight="bold", va="top", color=style.INK
     )
     c.axes.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]))
     c.axes.set_axis_off()
     return c
 
 
-def _scale_bar(canvas: style.Canvas, view: render.Camera, foot: float) -> None:
+def _scale_bar(canvas: style.Canvas, view: render.Camera) -> None:
     """A bar of 100 mm at the lower left, and what the plan of the picture is."""
     width, height = canvas.figure.get_size_inches()
     share = 0.1 / (view.high[0] - view.low[0])
-    y = (style.STAMP_HEIGHT + 0.45 * foot) / height
+    y = (style.STAMP_HEIGHT + 0.45 * FOOT) / height
     canvas.figure.add_artist(_line([0.02, 0.02 + share], [y, y]))
     canvas.figure.text(0.02, y - 0.07 / height, "100 mm", fontsize=12, va="top", color=style.INK)
 
@@ -156,38 +157,34 @@ def bed_panel(
 ) -> style.Canvas:
     """The bed as a panel: shaded spheres, sleeper and plates as glass, colour bar of displacement where it is known."""
     view, top = camera_of(scene, azimuth_deg, elevation_deg), full_colour(scene)
-    image = picture(scene, view, top, pixels)
-    foot = 0.62
     alt = f"Bed {scene.title}{', cut open along the sleeper' if is_cut(scene) else ''}, with sleeper and plates"
-    c = _picture_canvas(name, alt, view, foot, title)
-    c.axes.imshow(
-        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
-    )
-    _scale_bar(c, view, foot)
+    c = _picture_canvas(name, alt, view, title)
+    _show_picture(c, view, picture(scene, view, top, pixels))
+    _scale_bar(c, view)
     if top > 0:
-        width, height = c.figure.get_size_inches()
-        bar = c.figure.add_axes([0.44, (style.STAMP_HEIGHT + 0.30) / height, 0.42, 0.11 / height])
-        bar.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=MOVED, extent=(0, 1e3 * top, 0, 1))
-        bar.set_yticks([])
-        bar.tick_params(length=2, pad=1.5, labelsize=12)
-        bar.grid(False)
-        for spine in bar.spines.values():
-            spine.set_visible(False)
-        c.figure.text(
-            0.44,
-            (style.STAMP_HEIGHT + 0.44) / height,
-            "clump displacement, mm",
-            fontsize=12,
-            va="bottom",
-            ha="left",
-            color=style.INK,
-        )
-    c.table = (
-        scene.bed.assign(displacement_m=np.linalg.norm(scene.moved_m, axis=1))
-        if scene.moved_m is not None
-        else scene.bed
-    )
+        _colour_bar(c, top)
+    known = scene.moved_m is not None
+    c.table = scene.bed.assign(displacement_m=np.linalg.norm(scene.moved_m, axis=1)) if known else scene.bed
     return c
+
+
+def _show_picture(canvas: style.Canvas, view: render.Camera, image: np.ndarray) -> None:
+    extent = (view.low[0], view.high[0], view.low[1], view.high[1])
+    canvas.axes.imshow(image, extent=extent, interpolation="antialiased", aspect="auto")
+
+
+def _colour_bar(canvas: style.Canvas, top: float) -> None:
+    """A bar at the lower right: colours of displacements up to `top` m."""
+    height = canvas.figure.get_size_inches()[1]
+    bar = canvas.figure.add_axes([0.44, (style.STAMP_HEIGHT + 0.30) / height, 0.42, 0.11 / height])
+    bar.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=MOVED, extent=(0, 1e3 * top, 0, 1))
+    bar.set_yticks([])
+    bar.tick_params(length=2, pad=1.5, labelsize=12)
+    bar.grid(False)
+    for spine in bar.spines.values():
+        spine.set_visible(False)
+    place = 0.44, (style.STAMP_HEIGHT + 0.44) / height
+    canvas.figure.text(*place, "clump displacement, mm", fontsize=12, va="bottom", ha="left", color=style.INK)
 
 
 def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None:
@@ -201,42 +198,54 @@ def chain_panel(scene: Scene, name: str, title: str = "") -> style.Canvas | None
     view = camera_of(scene)
     image = picture(scene, view, width=PICTURE_WIDTH // 2, pale=True)
     image[..., 3] = (image[..., 3] * 0.30).astype(np.uint8)
-    foot = 0.62
-    c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, foot, title)
-    c.axes.imshow(
-        image, extent=(view.low[0], view.high[0], view.low[1], view.high[1]), interpolation="antialiased", aspect="auto"
-    )
-    order = np.argsort(force, kind="stable")
+    c = _picture_canvas(name, f"Force chains {scene.title} in a slab along the sleeper", view, title)
+    _show_picture(c, view, image)
     top = float(np.quantile(force, 0.995))
-    share = np.clip(force[order] / top, 0, 1)
-    drawn = share > 0.02
-    colours = FORCE(share[drawn])
-    colours[:, 3] = 0.25 + 0.75 * np.sqrt(share[drawn])
-    c.axes.add_collection(
-        LineCollection(
-            lines[order][drawn][:, :, [0, 2]],
-            linewidths=0.25 + 6 * share[drawn],
-            colors=colours,
-            capstyle="round",
-            rasterized=True,
-        )
-    )
+    _draw_chains(c, lines, force, top)
     for block in (scene.sleeper, *scene.plates):
         c.axes.plot(*_outline(block), color=style.SOFT, linewidth=1)
-    _scale_bar(c, view, foot)
-    width, height = c.figure.get_size_inches()
-    y = (style.STAMP_HEIGHT + 0.45 * foot) / height
-    for n, portion in enumerate((0.1, 0.3, 1.0)):
-        x = 0.42 + 0.19 * n
-        line = _line([x, x + 0.05], [y, y])
-        line.set(color=FORCE(portion), linewidth=0.25 + 6 * portion)
-        c.figure.add_artist(line)
-        c.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=12, va="center", color=style.INK)
+    _scale_bar(c, view)
+    _force_key(c, top)
     c.table = pd.DataFrame(
         {f"{axis}{end + 1}_m": lines[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
         | {"normal_force_N": force}
     )
     return c
+
+
+def _chain_width(share):
+    """Points, of a force over the one at full width."""
+    return 0.25 + 6 * share
+
+
+def _draw_chains(canvas: style.Canvas, lines: np.ndarray, force: np.ndarray, top: float) -> None:
+    """Contacts as lines (n, 2, 3) in m, the more force the broader and redder, full at `top` N; the strongest last."""
+    order = np.argsort(force, kind="stable")
+    share = np.clip(force[order] / top, 0, 1)
+    drawn = share > 0.02
+    colours = FORCE(share[drawn])
+    colours[:, 3] = 0.25 + 0.75 * np.sqrt(share[drawn])
+    canvas.axes.add_collection(
+        LineCollection(
+            lines[order][drawn][:, :, [0, 2]],
+            linewidths=_chain_width(share[drawn]),
+            colors=colours,
+            capstyle="round",
+            rasterized=True,
+        )
+    )
+
+
+def _force_key(canvas: style.Canvas, top: float) -> None:
+    """Lines below the picture that say which force has which breadth and colour."""
+    height = canvas.figure.get_size_inches()[1]
+    y = (style.STAMP_HEIGHT + 0.45 * FOOT) / height
+    for n, portion in enumerate((0.1, 0.3, 1.0)):
+        x = 0.42 + 0.19 * n
+        line = _line([x, x + 0.05], [y, y])
+        line.set(color=FORCE(portion), linewidth=_chain_width(portion))
+        canvas.figure.add_artist(line)
+        canvas.figure.text(x + 0.06, y, f"{_round(portion * top)} N", fontsize=12, va="center", color=style.INK)
 
 
 def _round(value: float) -> str:

@@ -20,18 +20,6 @@ def write_vtp(path: Path, points: np.ndarray, *, lines=None, quads=None, point_d
     """Points (n, 3) in m with `lines` (m, 2) or `quads` (m, 4) of point numbers, or as vertices, as VTK PolyData
     XML.
     """
-
-    def array(name: str, values: np.ndarray) -> str:
-        values = np.ascontiguousarray(values)
-        kind = "Int64" if values.dtype.kind in "iu" else "Float64"
-        values = values.astype("<i8" if kind == "Int64" else "<f8")
-        content = base64.b64encode(struct.pack("<Q", values.nbytes) + values.tobytes()).decode()
-        parts = values.shape[1] if values.ndim == 2 else 1
-        return (
-            f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{parts}" format="binary">'
-            f"{content}</DataArray>\n"
-        )
-
     if lines is None and quads is None:
         kind, cells = "Verts", np.arange(len(points))[:, None]
     else:
@@ -45,18 +33,31 @@ def write_vtp(path: Path, points: np.ndarray, *, lines=None, quads=None, point_d
         + " ".join(f'NumberOf{name}="{count}"' for name, count in counts.items())
         + ">\n"
         "<Points>\n"
-        + array("Points", np.asarray(points, float))
+        + _data_array("Points", np.asarray(points, float))
         + f"</Points>\n<{kind}>\n"
-        + array("connectivity", cells.ravel().astype(np.int64))
-        + array("offsets", (np.arange(1, len(cells) + 1) * cells.shape[1]).astype(np.int64))
+        + _data_array("connectivity", cells.ravel().astype(np.int64))
+        + _data_array("offsets", (np.arange(1, len(cells) + 1) * cells.shape[1]).astype(np.int64))
         + f"</{kind}>\n"
         + "".join(
-            f"<{where}>\n" + "".join(array(name, values) for name, values in fields.items()) + f"</{where}>\n"
+            f"<{where}>\n" + "".join(_data_array(name, values) for name, values in fields.items()) + f"</{where}>\n"
             for where, fields in data
         )
         + "</Piece>\n</PolyData>\n</VTKFile>\n"
     )
     write_aside(path, text)
+
+
+def _data_array(name: str, values: np.ndarray) -> str:
+    """Values (n,) or (n, parts) as an element in base64, integers of 8 bytes or doubles."""
+    values = np.ascontiguousarray(values)
+    kind = "Int64" if values.dtype.kind in "iu" else "Float64"
+    values = values.astype("<i8" if kind == "Int64" else "<f8")
+    content = base64.b64encode(struct.pack("<Q", values.nbytes) + values.tobytes()).decode()
+    parts = values.shape[1] if values.ndim == 2 else 1
+    return (
+        f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{parts}" format="binary">'
+        f"{content}</DataArray>\n"
+    )
 
 
 def write_paraview(scene: Scene, folder: Path, label: str) -> list[Path]:
