@@ -42,43 +42,47 @@ def against_reference(cycles, settlement_m, reference_cycles, reference_m, error
 
     error_m   of the reference: one number or one for each point
     """
-    cycles, ours = _clean(cycles, settlement_m)
-    order = np.argsort(reference_cycles, kind="stable")
-    at, theirs = np.asarray(reference_cycles, dtype=float)[order], np.asarray(reference_m, dtype=float)[order]
-    error = (
-        np.broadcast_to(np.asarray(error_m, dtype=float), at.shape)[order]
-        if np.ndim(error_m)
-        else np.full(at.shape, float(error_m))
-    )
+    cycles, settlement_m = _clean(cycles, settlement_m)
     if not len(cycles):
         return None
-    inside = np.isfinite(at) & np.isfinite(theirs) & (at >= cycles[0]) & (at <= cycles[-1])
-    at, theirs, error = at[inside], theirs[inside], error[inside]
+    at, theirs, error = _between(reference_cycles, reference_m, error_m, cycles[0], cycles[-1])
     if len(at) < 3:
         return None
-    difference = np.interp(at, cycles, ours) - theirs
+    ours = np.interp(at, cycles, settlement_m)
+    difference = ours - theirs
     shift = float(difference.mean())
 
     def within(d: np.ndarray) -> float:
         return float(np.mean(np.abs(d) <= error)) if np.isfinite(error).all() else math.nan
 
-    late = at >= at[-1] / 2
-    slopes = (
-        [np.polyfit(at[late], v[late], 1)[0] for v in (np.interp(at, cycles, ours), theirs)]
-        if late.sum() >= 2 and at[-1] >= 2 * run_quantities.LEAST_LATE_CYCLES
-        else [math.nan] * 2
-    )
-    first = float(np.interp(at[0], cycles, ours) / theirs[0]) if at[0] <= 2 and theirs[0] else math.nan
     return AgainstReference(
         len(at),
         _rms(difference),
         shift,
         _rms(difference - shift),
-        float(slopes[0] / slopes[1]) if slopes[1] else math.nan,
-        first,
+        _late_slope_ratio(at, ours, theirs),
+        float(ours[0] / theirs[0]) if at[0] <= 2 and theirs[0] else math.nan,
         within(difference),
         within(difference - shift),
     )
+
+
+def _between(cycles, values, errors, first: float, last: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cycles, values and errors of a reference from `first` to `last`, in the order of the cycles."""
+    order = np.argsort(cycles, kind="stable")
+    at, value = np.asarray(cycles, dtype=float)[order], np.asarray(values, dtype=float)[order]
+    error = np.broadcast_to(np.asarray(errors, dtype=float), at.shape)
+    inside = np.isfinite(at) & np.isfinite(value) & (at >= first) & (at <= last)
+    return at[inside], value[inside], error[order][inside]
+
+
+def _late_slope_ratio(at: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> float:
+    """Slopes of the later half over each other; nan where it is too short."""
+    late = at >= at[-1] / 2
+    if late.sum() < 2 or at[-1] < 2 * run_quantities.LEAST_LATE_CYCLES:
+        return math.nan
+    own, other = (np.polyfit(at[late], values[late], 1)[0] for values in (ours, theirs))
+    return float(own / other) if other else math.nan
 
 
 def reference_table(runs: Iterable, references) -> pd.DataFrame:

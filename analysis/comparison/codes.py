@@ -35,27 +35,25 @@ def lateral_agreement(runs: Iterable, cycles: Sequence[int] = run_quantities.CYC
         if not all(found.values()) or not last:
             continue
         for n in [*(n for n in cycles if n < last), last]:
-            mean = {}
-            for code, members in found.items():
-                profiles = [
-                    run_quantities.lateral_profile(run, [n])["lateral_m"].to_numpy(dtype=float) for run in members
-                ]
-                profiles = [p for p in profiles if len(p) == 5 and np.isfinite(p).all()]
-                mean[code] = np.mean(profiles, axis=0) if profiles else None
-            yade, liggghts = mean["yade"], mean["liggghts"]
-            if yade is None or liggghts is None:
-                continue
-            spread = np.std(yade) * np.std(liggghts)
-            rows.append(
-                (
-                    profile,
-                    scenario,
-                    n,
-                    float(np.sqrt(np.mean((liggghts - yade) ** 2))),
-                    float(liggghts.mean() / yade.mean()) if yade.mean() else math.nan,
-                    float(np.mean((yade - yade.mean()) * (liggghts - liggghts.mean())) / spread)
-                    if spread
-                    else math.nan,
-                )
-            )
+            yade, liggghts = (_mean_profile(found[code], n) for code in ("yade", "liggghts"))
+            if yade is not None and liggghts is not None:
+                rows.append((profile, scenario, n, *_alike(yade, liggghts)))
     return pd.DataFrame(rows, columns=["profile", "scenario", "cycle", "rms_m", "ratio", "correlation"])
+
+
+def _mean_profile(runs: Iterable, cycle: int) -> np.ndarray | None:
+    """Displacements of the five plates (m) after `cycle`, mean over the runs that have all five; None without any."""
+    profiles = [run_quantities.lateral_profile(run, [cycle])["lateral_m"].to_numpy(dtype=float) for run in runs]
+    profiles = [p for p in profiles if len(p) == 5 and np.isfinite(p).all()]
+    return np.mean(profiles, axis=0) if profiles else None
+
+
+def _alike(yade: np.ndarray, liggghts: np.ndarray) -> tuple[float, float, float]:
+    """rms difference, ratio of the means and correlation of two profiles."""
+    spread = np.std(yade) * np.std(liggghts)
+    covariance = np.mean((yade - yade.mean()) * (liggghts - liggghts.mean()))
+    return (
+        float(np.sqrt(np.mean((liggghts - yade) ** 2))),
+        float(liggghts.mean() / yade.mean()) if yade.mean() else math.nan,
+        float(covariance / spread) if spread else math.nan,
+    )

@@ -25,7 +25,6 @@ class Record:
         parallel = engine.parallel(settings.ranks)
         git = git_state(beside=("reference_data", "docs"))  # a run reads neither
         self._part = {**parallel, "engine": version, **git, "host": socket.gethostname()}
-        timing = old.timing if old else None
         steps = {stage: int(row["step"]) for stage, row in last_rows(self.folder / "raw" / "state.csv").items()}
         self.body = RunRecord(
             scenario=scenario.name,
@@ -48,16 +47,7 @@ class Record:
             deviations=[],
             resumes=old.resumes if old else [],
             parts=_parts(old),
-            timing=Timing(
-                start=timing.start if timing else now(),
-                steps_per_second=timing.steps_per_second if timing else {},
-                wall_s=timing.wall_s if timing else {},
-                cpu_s=timing.cpu_s if timing else {},
-                cpu_steps=timing.cpu_steps if timing else {},
-                pid=os.getpid(),
-                host=socket.gethostname(),
-                heartbeat=now(),
-            ),
+            timing=_timing(old.timing if old else None),
         )
         self.save()
 
@@ -80,6 +70,20 @@ class Record:
         here = (STAGES.index(stage), cycle, block)
         kept = [p for p in self.body.parts if (STAGES.index(p["stage"]), p["cycle"], p["block"]) < here]
         self.body.parts = [*kept, {"stage": stage, "cycle": cycle, "block": block, **self._part}]
+
+
+def _timing(old: Timing | None) -> Timing:
+    """Timing of this start, which adds to what earlier ones took."""
+    return Timing(
+        start=old.start if old else now(),
+        steps_per_second=old.steps_per_second if old else {},
+        wall_s=old.wall_s if old else {},
+        cpu_s=old.cpu_s if old else {},
+        cpu_steps=old.cpu_steps if old else {},
+        pid=os.getpid(),
+        host=socket.gethostname(),
+        heartbeat=now(),
+    )
 
 
 def _parts(old: RunRecord | None) -> list[dict]:

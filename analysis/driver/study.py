@@ -101,32 +101,44 @@ def execute(chosen: argparse.Namespace) -> int:
         return run_folder(chosen.results, profile, row.scenario, row.code, row.seed)
 
     if chosen.make:
-        flags = ["--ranks", str(chosen.ranks), "--results", str(chosen.results), "--scenarios", str(chosen.scenarios)]
-        flags += ["--profile", chosen.profile] if chosen.profile else []
-        print(makefile(rows, shlex.join([sys.executable, "-m", "analysis", "study", *flags])), end="")
-        return 0
-    if chosen.count:
+        print(makefile(rows, _own_command(chosen)), end="")
+    elif chosen.count:
         print(len(study_list.final_rows(chosen.scenarios)))
-        return 0
-    if chosen.row is None and chosen.array is None:
+    elif chosen.row is None and chosen.array is None:
         print(listing(rows, folder_of))
-        return 0
+    else:
+        row = _chosen_row(chosen, rows)
+        if row is None:
+            print("study: no such row; `ballast study --list` prints them", file=sys.stderr)
+            return 2
+        if text := settled(folder_of(row), row.cycles):
+            print(f"{row.scenario} {row.code} {profile}{f' seed {row.seed}' if row.seed != 1 else ''} | {text}")
+        else:
+            return _run_row(chosen, row, profile)
+    return 0
 
+
+def _own_command(chosen: argparse.Namespace) -> str:
+    """The command by which make calls this program for a row."""
+    flags = ["--ranks", str(chosen.ranks), "--results", str(chosen.results), "--scenarios", str(chosen.scenarios)]
+    flags += ["--profile", chosen.profile] if chosen.profile else []
+    return shlex.join([sys.executable, "-m", "analysis", "study", *flags])
+
+
+def _chosen_row(chosen: argparse.Namespace, rows: list[study_list.StudyRow]) -> study_list.StudyRow | None:
+    """The row of --row or --array; None where there is none."""
     if chosen.array is None:
         found = [row for row in rows if row.name == chosen.row]
     else:
         found = study_list.final_rows(chosen.scenarios)[chosen.array : chosen.array + 1] if chosen.array >= 0 else []
-    if not found:
-        print("study: no such row; `ballast study --list` prints them", file=sys.stderr)
-        return 2
-    (row,) = found
-    if text := settled(folder_of(row), row.cycles):
-        print(f"{row.scenario} {row.code} {profile}{f' seed {row.seed}' if row.seed != 1 else ''} | {text}")
-        return 0
-    scenario = load_scenario(row.scenario, profile, chosen.scenarios, row.cycles)
+    return found[0] if found else None
+
+
+def _run_row(chosen: argparse.Namespace, row: study_list.StudyRow, profile: str) -> int:
+    """Make the run of a row or go on with it; exit code of `run`."""
     return run(
         RunSettings(
-            scenario,
+            load_scenario(row.scenario, profile, chosen.scenarios, row.cycles),
             row.code,
             seed=row.seed,
             ranks=chosen.ranks,

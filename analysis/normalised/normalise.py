@@ -18,6 +18,8 @@ from analysis.formats.growing_csv import CycleTable, Row, RowsByStep
 from analysis.normalised import beds, bonds, microstructure, porosity, stages
 from analysis.scenarios import derived
 
+PLATE_PLACES = tuple(f"plate_{k}_displacement_m" for k in file_columns.PLATES)
+
 
 class NormaliseError(ValueError):
     """Raw output that is missing or unusable; the message is one line naming file and remedy."""
@@ -78,32 +80,14 @@ class Normaliser:
             raise NormaliseError(
                 f"cycles.csv: cycle {number} cannot follow cycle {self._done}; call rewind({number - 1}) first"
             )
-        rows = self._rows(number)
-        zero = self._numbers(self._row(0))
-        end = rows[-1]
+        rows, zero = self._rows(number), self._numbers(self._row(0))
+        places = [rows[-1][name] for name in PLATE_PLACES]
+        lateral = [rows[-1][name] - zero[name] for name in PLATE_PLACES]
         bed = self._read(beds.read_bed, self._bed(number))
-        lateral = [end[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in file_columns.PLATES]
         structure = self._microstructure_row(
-            number,
-            bed,
-            end["sleeper_displacement_m"],
-            [end[f"plate_{k}_displacement_m"] for k in file_columns.PLATES],
-            lateral,
-            self._state_row(number),
+            number, bed, rows[-1]["sleeper_displacement_m"], places, lateral, self._state_row(number)
         )
-        mean_stress = [row["sleeper_stress_mean_Pa"] for row in rows]
-        row = {
-            "cycle": number,
-            "time_s": end["time_s"],
-            "settlement_m": end["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-            "settlement_peak_m": rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
-            **{f"lateral_{k}_m": value for k, value in zip(file_columns.PLATES, lateral, strict=True)},
-            **{f"porosity_{k}": value for k, value in zip(file_columns.SPHERES, structure[1:4], strict=True)},
-            "sleeper_stress_min_Pa": min(mean_stress),
-            "sleeper_stress_max_Pa": max(mean_stress),
-            "tracking_rms_Pa": math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
-            "clumps": len(bed),
-        }
+        row = self._cycle_row(number, rows, zero, lateral, structure) | {"clumps": len(bed)}
 
         self._append_history([number])
         self._microstructure.append([structure])
@@ -246,9 +230,26 @@ class Normaliser:
         if not rows:
             raise NormaliseError("raw/preload.csv: has no rows; run the preload stage again")
         last = self._numbers(rows[max(rows)])
-        return last["sleeper_displacement_m"], [last[f"plate_{k}_displacement_m"] for k in file_columns.PLATES]
+        return last["sleeper_displacement_m"], [last[name] for name in PLATE_PLACES]
 
     # ------------------------------------------------------------------ rows of the normalised tables
+
+    def _cycle_row(self, number: int, rows, zero, lateral, structure) -> dict[str, float]:
+        """A row of cycles.csv but for its clumps, from the raw rows of the cycle and the one before loading (`zero`),
+        the plates' ways (m) and the row of microstructure.csv.
+        """
+        start, mean_stress = zero["sleeper_displacement_m"], [row["sleeper_stress_mean_Pa"] for row in rows]
+        return {
+            "cycle": number,
+            "time_s": rows[-1]["time_s"],
+            "settlement_m": rows[-1]["sleeper_displacement_m"] - start,
+            "settlement_peak_m": rows[len(rows) // 2 - 1]["sleeper_displacement_m"] - start,
+            **{f"lateral_{k}_m": value for k, value in zip(file_columns.PLATES, lateral, strict=True)},
+            **{f"porosity_{k}": value for k, value in zip(file_columns.SPHERES, structure[1:4], strict=True)},
+            "sleeper_stress_min_Pa": min(mean_stress),
+            "sleeper_stress_max_Pa": max(mean_stress),
+            "tracking_rms_Pa": math.sqrt(sum(row["sleeper_error_ms_Pa2"] for row in rows) / len(rows)),
+        }
 
     def _append_history(self, cycles) -> None:
         zero = self._numbers(self._row(0)) if cycles else {}
@@ -265,7 +266,7 @@ class Normaliser:
             raw["sleeper_displacement_m"] - zero["sleeper_displacement_m"],
             self.scenario["preload.plate_stress"],
             *(raw[f"plate_{k}_stress_Pa"] for k in file_columns.PLATES),
-            *(raw[f"plate_{k}_displacement_m"] - zero[f"plate_{k}_displacement_m"] for k in file_columns.PLATES),
+            *(raw[name] - zero[name] for name in PLATE_PLACES),
         ]
 
     def _measurement_spheres(self) -> porosity.MeasurementSpheres:

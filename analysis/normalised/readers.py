@@ -73,12 +73,16 @@ def load_runs(
             run.read()
             found.append(run)
     if others and not found and not quiet:
-        there = "; ".join(" ".join(names) for names in sorted(others))
-        print(
-            f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}",
-            file=sys.stderr,
-        )
+        _say_what_is_there(results_dir, others)
     return Runs(found, refused)
+
+
+def _say_what_is_there(results_dir, others: Iterable[tuple[str, str, str]]) -> None:
+    there = "; ".join(" ".join(names) for names in sorted(others))
+    print(
+        f"load_runs: no run of that profile, scenario and code below {results_dir}; there are: {there}",
+        file=sys.stderr,
+    )
 
 
 def _run_folders(results_dir: Path) -> list[Path]:

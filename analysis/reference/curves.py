@@ -150,15 +150,9 @@ class References:
 def load_references(folder: Path = PUBLISHED) -> References:
     """Read and check all sidecars of `folder`; a bad one becomes a line in `problems` and does not hide the others."""
     folder = Path(folder)
-    curves, pending, sources, problems, silent, named, heads = [], [], [], [], [], set(), {}
-    for sidecar in sidecars(folder):
-        try:
-            heads[sidecar] = _read_sidecar(sidecar)
-        except ReferenceError as error:
-            problems.append(f"{sidecar.parent.name}/{error}")
-            named |= set(sidecar.parent.iterdir())  # whose files they are is unknown now
+    curves, pending, sources, silent = [], [], [], []
+    heads, named, problems = _read_heads(folder)
     for sidecar, head in heads.items():
-        named |= {sidecar.parent / file for file in head.get("files", [])}
         try:
             there, missing = _load(sidecar, head)
         except (ReferenceError, DigitiserError) as error:
@@ -169,12 +163,7 @@ def load_references(folder: Path = PUBLISHED) -> References:
             curves += there
             pending += missing
             sources.append(_source(sidecar, head, there))
-    for path in sorted(folder.glob("*/*")):
-        if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named:
-            problems.append(
-                f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
-                "of its figure and set its status"
-            )
+    problems += _named_by_none(folder, named)
     unclaimed = _claimed_by_none(heads)
     problems += unclaimed + [
         f"{sidecar.parent.name}/{sidecar.name}: none of its curves is in {', '.join(heads[sidecar]['files'])}; rename "
@@ -189,6 +178,30 @@ def load_references(folder: Path = PUBLISHED) -> References:
         problems,
         pd.DataFrame(sources, columns=SOURCE_COLUMNS),
     )
+
+
+def _read_heads(folder: Path) -> tuple[dict[Path, dict], set[Path], list[str]]:
+    """The sidecars that can be read, the files that they name, and a line for each sidecar that cannot be read."""
+    heads, named, problems = {}, set(), []
+    for sidecar in sidecars(folder):
+        try:
+            heads[sidecar] = _read_sidecar(sidecar)
+        except ReferenceError as error:
+            problems.append(f"{sidecar.parent.name}/{error}")
+            named |= set(sidecar.parent.iterdir())  # whose files they are is unknown now
+        else:
+            named |= {sidecar.parent / file for file in heads[sidecar].get("files", [])}
+    return heads, named, problems
+
+
+def _named_by_none(folder: Path, named: set[Path]) -> list[str]:
+    """A line for each file of WebPlotDigitizer that no sidecar names."""
+    return [
+        f"{path.parent.name}/{path.name}: is named by no sidecar; add it to `files` of the sidecar "
+        "of its figure and set its status"
+        for path in sorted(folder.glob("*/*"))
+        if path.suffix in (".csv", ".json") and path.parent.name not in NOT_CURVES and path not in named
+    ]
 
 
 def _claimed_by_none(heads: dict[Path, dict]) -> list[str]:
@@ -438,35 +451,35 @@ def _tidy(sidecar, head, row, value_axis, other_axis, file, dataset) -> pd.DataF
     for index, name in enumerate("xy"):
         axis, raw = head["axes"][name], points[:, index]
         logarithmic = _logarithmic(refuse, name, axis, dataset.logarithmic and dataset.logarithmic[index])
-        _check_on_axis(
-            refuse, name, axis, raw, dataset.calibration and dataset.calibration[index], sidecar.name, logarithmic
-        )
+        calibration = dataset.calibration and dataset.calibration[index]
+        _check_on_axis(refuse, name, axis, raw, calibration, sidecar.name, logarithmic)
         columns[name] = _to_si(axis, raw)
         least = LEAST_COVER["value" if name == value_axis else "coordinate"]
         _check_values(refuse, name, axis, raw, columns[name], least, logarithmic)
     coordinate, value = columns[other_axis], columns[value_axis]
     if row["quantity"] == "settlement" and np.median(value) < 0:
         raise refuse(f"settlement is negative; set axes.{value_axis}.reversed = true where the numbers grow upward")
-    step = np.diff(coordinate)
-    if not (step != 0).all():
-        at = int(np.argmax(step == 0))
-        doubled = points[at, "xy".index(other_axis)]
-        raise refuse(
-            f"two points at {head['axes'][other_axis]['quantity']} {doubled:.6g}; delete one of them in "
-            "WebPlotDigitizer"
-        )
-    error = _error_si(sidecar, head, row["quantity"], value_axis)
-    depth = head["axes"][other_axis]["quantity"] == "depth"
-    table = pd.DataFrame(
-        {"value": value, "cycle": row["cycle"] if depth else coordinate, "depth_m": coordinate if depth else np.nan}
-    )
-    return table.assign(
+    quantity = head["axes"][other_axis]["quantity"]
+    _check_no_double(refuse, quantity, coordinate, points[:, "xy".index(other_axis)])
+    places = {"cycle": coordinate, "depth_m": np.nan}
+    if quantity == "depth":
+        places = {"cycle": row["cycle"], "depth_m": coordinate}
+    return pd.DataFrame({"value": value, **places}).assign(
         **{k: v for k, v in row.items() if k != "cycle"},
         unit=VALUES[row["quantity"]],
-        error=error,
+        error=_error_si(sidecar, head, row["quantity"], value_axis),
         status=head["status"],
         licence=head["licence"],
     )
+
+
+def _check_no_double(refuse, quantity: str, coordinate: np.ndarray, raw: np.ndarray) -> None:
+    """No two points of a curve have one coordinate; `raw` is that of the file, which the message tells."""
+    same = np.diff(coordinate) == 0
+    if same.any():
+        raise refuse(
+            f"two points at {quantity} {raw[int(np.argmax(same))]:.6g}; delete one of them in WebPlotDigitizer"
+        )
 
 
 def _check_values(

@@ -42,31 +42,26 @@ def loads_along(bond, contact, radii, places, velocities, spins, step: float) ->
     apart = places[:, 0] - places[:, 1]
     distances = np.linalg.norm(apart, axis=1)
     normals = apart / distances[:, None]
+    overlaps = sum(radii) - distances
     state = bond_law.BondState(distances[0])
     slip_force, broken_at = np.zeros(3), -1
     for n in range(steps):
-        distance, normal = distances[n + 1], normals[n + 1]
-        overlap = sum(radii) - distance
+        normal, overlap = normals[n + 1], overlaps[n + 1]
         arms = [radius - overlap / 2 for radius in radii]
         first, second = spins[n]
         relative = velocities[n, 0] - velocities[n, 1]
         relative = relative - np.cross(first, arms[0] * normal) - np.cross(second, arms[1] * normal)
         mean_turn = (first + second) / 2 * step
         was_broken = bool(state.broken)
-        bond_law.advance(bond, state, distance, normal, relative * step, (first - second) * step, mean_turn)
+        bond_law.advance(bond, state, distances[n + 1], normal, relative * step, (first - second) * step, mean_turn)
         if state.broken and not was_broken:
             broken_at = n
-        shear = state.shear_force.copy()
-        normal_force = state.normal_force
+        shear, normal_force = state.shear_force.copy(), state.normal_force
         if overlap > 0:
-            sliding = (relative - np.dot(relative, normal) * normal) * step
-            if sum(radii) - distances[n] <= 0:
-                slip_force = np.zeros(3)
-                sliding = sliding * contact_laws.closing_share(overlap, sum(radii) - distances[n])
             elastic = contact.elastic(overlap)
+            sliding = (relative - np.dot(relative, normal) * normal) * step
             old = bond_law.carried(slip_force, normal, mean_turn)
-            trial = contact_laws.trial_shear_force(old, contact.shear_stiffness, sliding)
-            slip_force = contact_laws.slip(trial, contact_laws.shear_strength(contact.friction, elastic))
+            slip_force = _slip_force(contact, old, sliding, overlap, overlaps[n])
             normal_force += elastic
             shear += slip_force
             contact_energy[n] = elastic * overlap / 2
@@ -76,6 +71,16 @@ def loads_along(bond, contact, radii, places, velocities, spins, step: float) ->
         bond_energy[n] = bond_law.elastic_energy(bond, state)
         stress[n] = bond_law.stresses(bond, state)
     return Loads(force, torque, bond_energy, contact_energy, stress[:, 0], stress[:, 1], broken_at, state.broken)
+
+
+def _slip_force(contact, old: np.ndarray, sliding: np.ndarray, overlap: float, before: float) -> np.ndarray:
+    """Shear force (3) of the contact after a step: `old`, turned with the contact, and what `sliding` (m) adds; a
+    contact that closes, with no overlap `before`, begins from nothing.
+    """
+    if before <= 0:
+        old, sliding = np.zeros(3), sliding * contact_laws.closing_share(overlap, before)
+    trial = contact_laws.trial_shear_force(old, contact.shear_stiffness, sliding)
+    return contact_laws.slip(trial, contact_laws.shear_strength(contact.friction, contact.elastic(overlap)))
 
 
 @dataclass(frozen=True)

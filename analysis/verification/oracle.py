@@ -227,23 +227,19 @@ class _Contacts:
         `kinematics(t, state)` gives for each contact (overlap, closing, sliding speed), `motion(t, state, forces)`
         the derivative of the state under forces [(normal, shear), ...].
         """
-        count = len(self.laws)
-        modes = ["open"] * count
-        if closed:
-            modes = ["stick" if c else "open" for c in closed]
-        state = np.concatenate([start, np.zeros(count)])
-        t, end = times[0], times[-1]
-        shears, states = np.zeros((len(times), count)), np.zeros((len(times), len(start)))
-        filled = 0
-        span = end - t
+        count, n = len(self.laws), len(start)
+        modes = ["stick" if c else "open" for c in closed or [False] * count]
+        state, t = np.concatenate([start, np.zeros(count)]), times[0]
+        shears, states = np.zeros((len(times), count)), np.zeros((len(times), n))
+        filled, span = 0, times[-1] - times[0]
         for _ in range(10_000):
             for k, mode in enumerate(modes):
                 if mode == "stick":
-                    modes[k] = self._stick_or_slip(k, kinematics, t, state, len(start))
-            events = self._events(modes, kinematics, len(start))
+                    modes[k] = self._stick_or_slip(k, kinematics, t, state, n)
+            events = self._events(modes, kinematics, n)
             found = solve_ivp(
-                lambda time, y: self._rates(time, y, modes, kinematics, motion, len(start)),
-                (t, end),
+                lambda time, y: self._rates(time, y, modes, kinematics, motion, n),
+                (t, times[-1]),
                 state,
                 events=events,
                 dense_output=True,
@@ -254,23 +250,25 @@ class _Contacts:
             t = found.t[-1]
             while filled < len(times) and times[filled] <= t + 1e-15 * span:
                 y = found.sol(min(times[filled], t))
-                states[filled] = y[: len(start)]
-                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[len(start) :], strict=True)]
+                states[filled] = y[:n]
+                shears[filled] = [0.0 if m == "open" else f for m, f in zip(modes, y[n:], strict=True)]
                 filled += 1
-            state = found.y[:, -1].copy()
             if filled == len(times):
                 return shears, states
-            k, what = self._fired(found, events)
-            if what == "close":
-                modes[k], state[len(start) + k] = "stick", 0.0
-                self.approach[k] = kinematics(t, state)[k][1]
-            elif what == "open":
-                modes[k], state[len(start) + k] = "open", 0.0
-            elif what == "slip":
-                modes[k] = "slip+" if state[len(start) + k] > 0 else "slip-"
-            else:
-                modes[k] = "stick"
+            state = found.y[:, -1].copy()
+            self._change_mode(*self._fired(found, events), modes, kinematics(t, state), state[n:])
         raise RuntimeError("oracle: too many changes between sticking and slipping")
+
+    def _change_mode(self, k: int, what: str, modes: list[str], contacts, shears: np.ndarray) -> None:
+        """What has happened to contact `k` sets its mode, and its shear force to zero where it closes or opens."""
+        if what == "close":
+            modes[k], shears[k], self.approach[k] = "stick", 0.0, contacts[k][1]
+        elif what == "open":
+            modes[k], shears[k] = "open", 0.0
+        elif what == "slip":
+            modes[k] = "slip+" if shears[k] > 0 else "slip-"
+        else:
+            modes[k] = "stick"
 
     def _stick_or_slip(self, k, kinematics, t, state, n) -> str:
         """A contact that has just closed slips at once where its shear force would outrun its strength."""
@@ -412,28 +410,43 @@ def bounce_in_steps(
     The error is of the order of `step`. Returns states (n, 6), of step 0 and each `every` steps.
     """
     state = np.asarray(start, float).copy()
-    shears, approach = [0.0] * len(laws), [0.0] * len(laws)
-    before = [overlap for overlap, *_ in body.levers(state)]
+    contacts = [_SteppedContact(law, closing_scaled, slip_by_total) for law in laws]
+    for contact, (overlap, *_) in zip(contacts, body.levers(state), strict=True):
+        contact.overlap = overlap
     states = [state.copy()]
     for n in range(1, steps + 1):
-        forces = []
-        for k, (law, (overlap, closing, sliding)) in enumerate(zip(laws, body.kinematics(state), strict=True)):
-            if overlap <= 0:
-                shears[k], before[k] = 0.0, overlap
-                forces.append((0.0, 0.0))
-                continue
-            moved = sliding * step
-            if before[k] <= 0:
-                approach[k] = closing
-                if closing_scaled:
-                    moved *= contact_laws.closing_share(overlap, before[k])
-            normal = law.normal(overlap, closing, approach[k])
-            limit = law.friction * (abs(normal) if slip_by_total else law.elastic(overlap))
-            shears[k] = min(limit, max(-limit, shears[k] - law.shear_slope(overlap) * moved))
-            before[k] = overlap
-            forces.append((normal, shears[k]))
+        motions = zip(contacts, body.kinematics(state), strict=True)
+        forces = [contact.advance(overlap, closing, sliding, step) for contact, (overlap, closing, sliding) in motions]
         state[3:6] += step * body.acceleration(state, forces, gravity)
         state[:3] += step * state[3:6]
         if n % every == 0:
             states.append(state.copy())
     return np.array(states)
+
+
+@dataclass
+class _SteppedContact:
+    """A contact as DEM codes carry it from step to step; overlap in m, speeds in m/s, forces in N."""
+
+    law: object
+    closing_scaled: bool
+    slip_by_total: bool
+    overlap: float = 0.0
+    shear: float = 0.0
+    approach: float = 0.0
+
+    def advance(self, overlap: float, closing: float, sliding: float, step: float) -> tuple[float, float]:
+        """Normal and shear force after a step of `step` s that ends at this overlap."""
+        before, self.overlap = self.overlap, overlap
+        if overlap <= 0:
+            self.shear = 0.0
+            return 0.0, 0.0
+        moved = sliding * step
+        if before <= 0:
+            self.approach = closing
+            if self.closing_scaled:
+                moved *= contact_laws.closing_share(overlap, before)
+        normal = self.law.normal(overlap, closing, self.approach)
+        limit = self.law.friction * (abs(normal) if self.slip_by_total else self.law.elastic(overlap))
+        self.shear = min(limit, max(-limit, self.shear - self.law.shear_slope(overlap) * moved))
+        return normal, self.shear

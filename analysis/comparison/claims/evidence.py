@@ -207,25 +207,28 @@ class Evidence:
         groups, undecided = self._values(function, self.reached(cycles) if members is None else members)
         of_claim = {s: v for s, v in groups.items() if s in self.claim.runs and len(v) >= least_seeds}
         if stated:
-            half_width = self.rules.stated[stated]
-            found = {
-                s: Estimate(mean, half_width / coverage(math.inf) * abs(mean), seeds=len(v))
-                for s, v in of_claim.items()
-                for mean in (sum(v) / len(v),)
-            }
-            self._scatter.add(f"stated: {half_width:.0%} of a run's value")
+            found = self._with_stated_error(of_claim, self.rules.stated[stated])
         else:
             found = estimates(of_claim, self._lenders(of_claim, groups, function, cycles), relative)
             self._scatter |= {e.lent or f"{s} ({e.seeds} seeds)" for s, e in found.items() if e.seeds > 1 or e.lent}
-        for scenario, seeds in undecided.items():
-            self._undecided |= dict.fromkeys(f"{scenario}: seed {n} leaves it undecided ({name})" for n in seeds)
+        measured = {}
+        for s, seeds in undecided.items():
+            self._undecided |= dict.fromkeys(f"{s}: seed {n} leaves it undecided ({name})" for n in seeds)
+        for s in self.claim.runs:
+            if s in found:
+                measured[s] = Measured(f"{name}, {s}{_seeds(undecided.get(s, ()))}", found[s])
+            else:
+                why = self._why_missing(s, cycles, len(groups.get(s, ())), undecided.get(s, ()))
+                measured[s] = Measured(f"{name}, {s}", missing=(why,))
+        return measured
+
+    def _with_stated_error(self, groups: dict[str, list[float]], half_width: float) -> dict[str, Estimate]:
+        """Means over seeds by scenario, each with the stated relative half-width instead of the scatter over seeds."""
+        self._scatter.add(f"stated: {half_width:.0%} of a run's value")
+        means = {s: sum(values) / len(values) for s, values in groups.items()}
         return {
-            s: Measured(f"{name}, {s}{_seeds(undecided.get(s, ()))}", found[s])
-            if s in found
-            else Measured(
-                f"{name}, {s}", missing=(self._why_missing(s, cycles, len(groups.get(s, ())), undecided.get(s, ())),)
-            )
-            for s in self.claim.runs
+            s: Estimate(mean, half_width / coverage(math.inf) * abs(mean), seeds=len(groups[s]))
+            for s, mean in means.items()
         }
 
     def seen(self, function: Callable, cycles: int) -> dict[str, float]:

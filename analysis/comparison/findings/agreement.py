@@ -261,28 +261,27 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
         alike = (more["profile"] == profile) & (more["scenario"] == scenario) & (more["reading"] == reading)
         if alike.any():
             band = pd.concat([band, more[alike]], ignore_index=True) if len(band) else more[alike]
-        last = codes["cycle"].max()
-        late = [float(part.loc[part["cycle"] == last, "size"].max()) for part in (codes, band)]
-        codes, band = (part[part["cycle"] <= same_bed.JUDGED_CYCLES] for part in (codes, band))
-        largest = float(codes["size"].max())
-        limit = float(band["size"].max()) if len(band) else math.nan
-        state = OPEN if math.isnan(limit) else AGREES if largest <= limit else DIFFERS
-        rows.append(
-            {
-                "profile": profile,
-                "scenario": scenario,
-                "reading": reading,
-                "bed": bed,
-                "cycles": int(codes["cycle"].max()),
-                "codes_ratio": largest,
-                "band_ratio": limit,
-                "band_pairs": len(band[["bed", "one", "other"]].drop_duplicates()),
-                "state": state,
-                "late_cycle": int(last),
-                "codes_late_ratio": late[0],
-                "band_late_ratio": late[1],
-            }
-        )
+        where = {"profile": profile, "scenario": scenario, "reading": reading, "bed": bed}
+        rows.append(where | _against_band(codes, band))
     columns = ["profile", "scenario", "reading", "bed", "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
     columns += ["late_cycle", "codes_late_ratio", "band_late_ratio"]
     return pd.DataFrame(rows, columns=columns)
+
+
+def _against_band(codes: pd.DataFrame, band: pd.DataFrame) -> dict:
+    """Differences between the codes against those by time step or rounding; `size` is that of a difference."""
+    last = codes["cycle"].max()
+    late = [float(part.loc[part["cycle"] == last, "size"].max()) for part in (codes, band)]
+    codes, band = (part[part["cycle"] <= same_bed.JUDGED_CYCLES] for part in (codes, band))
+    largest = float(codes["size"].max())
+    limit = float(band["size"].max()) if len(band) else math.nan
+    return {
+        "cycles": int(codes["cycle"].max()),
+        "codes_ratio": largest,
+        "band_ratio": limit,
+        "band_pairs": len(band[["bed", "one", "other"]].drop_duplicates()),
+        "state": OPEN if math.isnan(limit) else AGREES if largest <= limit else DIFFERS,
+        "late_cycle": int(last),
+        "codes_late_ratio": late[0],
+        "band_late_ratio": late[1],
+    }

@@ -64,15 +64,28 @@ class BondPaths(ProbedCase):
         super().__init__(code)
         self.radius = derived.clump(load_scenario("linear-mu0.8")).radius_m
         limit = 3e6 / 4e9  # displacement at which a pulled or sheared bond breaks, m
-        n, t = self.STEPS, self.STEPS * self.STEP
-        pull, turn = limit / t, limit / self.radius / t
-        none = (0.0, 0.0, 0.0)
-        # name: scenario, radius of the held sphere over that of the moved one, [(velocity, spin, steps)]
-        self._entries = {
-            "pulled": (bonded("pulled"), 1.0, [((0, 0, pull), none, int(1.1 * n))]),
-            "sheared": (bonded("sheared"), 1.0, [((pull, 0, 0), none, int(1.1 * n))]),
-            "bent": (bonded("bent"), 1.0, self._arc(turn, int(1.1 * n))),
-            "twisted": (bonded("twisted"), 1.0, [(none, (0, 0, turn), int(1.1 * n))]),
+        duration = self.STEPS * self.STEP
+        pull, turn = limit / duration, limit / self.radius / duration
+        self._entries = self._one_way(pull, turn) | self._several_ways(pull, turn)
+        self._probes = {name: self._probe(name, *entry) for name, entry in self._entries.items()}
+
+    def _one_way(self, pull: float, turn: float) -> dict[str, tuple]:
+        """Paths that load the bond in one way, until it breaks after STEPS steps at `pull` m/s or `turn` rad/s.
+
+        By name: scenario, radius of the held sphere over that of the moved one, [(velocity, spin, steps)].
+        """
+        none, n = (0.0, 0.0, 0.0), int(1.1 * self.STEPS)
+        return {
+            "pulled": (bonded("pulled"), 1.0, [((0, 0, pull), none, n)]),
+            "sheared": (bonded("sheared"), 1.0, [((pull, 0, 0), none, n)]),
+            "bent": (bonded("bent"), 1.0, self._arc(turn, n)),
+            "twisted": (bonded("twisted"), 1.0, [(none, (0, 0, turn), n)]),
+        }
+
+    def _several_ways(self, pull: float, turn: float) -> dict[str, tuple]:
+        """Paths that load the bond in several ways, or go on after it has broken; as those of `_one_way`."""
+        none, n = (0.0, 0.0, 0.0), self.STEPS
+        return {
             "pulled and bent": (
                 bonded("pulled-bent"),
                 1.0,
@@ -100,7 +113,6 @@ class BondPaths(ProbedCase):
                 ],
             ),
         }
-        self._probes = {name: self._probe(name, *entry) for name, entry in self._entries.items()}
 
     def _arc(self, turn: float, steps: int, chords: int = 20) -> list:
         """The moved sphere spins at `turn` (rad/s) and goes round the held one half as fast: bending alone."""
@@ -273,32 +285,11 @@ class BondCantilever(ProbedCase):
         chain = bond_oracle.Chain(law, self.length, self.MASS, 0.4 * self.MASS * self.radius**2, self.COUNT - 1)
         static, moving = chain.under_weight(self.GRAVITY, rows.time)
         tip = -rows.position[:, -1, 2]
-        results.compare_curves(
-            self.name,
-            "tip_deflection_m",
-            moving[:, -1],
-            tip,
-            0.01,
-            "row as a linear system; its shortening is left out",
-        )
+        note = "row as a linear system; its shortening is left out"
+        results.compare_curves(self.name, "tip_deflection_m", moving[:, -1], tip, 0.01, note)
         period = 2 * math.pi / chain.first_frequency()
-        whole = rows.time <= period * int(rows.time[-1] / period)
-        results.compare(
-            self.name,
-            "mean tip deflection_m",
-            static[-1],
-            tip[whole].mean(),
-            0.01,
-            "at rest, the same system; mean over whole periods of the first mode",
-        )
-        results.compare(
-            self.name,
-            "mean tip deflection_m against beam theory",
-            self._by_beam_theory(law),
-            tip[whole].mean(),
-            0.01,
-            "Timoshenko's cantilever under an even load, and half a sphere's weight that hangs over the tip",
-        )
+        mean = tip[rows.time <= period * int(rows.time[-1] / period)].mean()
+        self._judge_rest(static[-1], self._by_beam_theory(law), mean, results)
         results.compare(self.name, "bonds", self.COUNT - 1, rows.bonds[-1], 0.0, "one between neighbours")
         pick = slice(None, None, 4)
         results.curve(
@@ -307,6 +298,25 @@ class BondCantilever(ProbedCase):
             time_s=rows.time[pick],
             tip_deflection_m=tip[pick],
             tip_deflection_m_expected=moving[pick, -1],
+        )
+
+    def _judge_rest(self, static: float, by_beam_theory: float, mean: float, results: Results) -> None:
+        """The mean over whole swings is the deflection at rest, by the linear system and by beam theory (m)."""
+        results.compare(
+            self.name,
+            "mean tip deflection_m",
+            static,
+            mean,
+            0.01,
+            "at rest, the same system; mean over whole periods of the first mode",
+        )
+        results.compare(
+            self.name,
+            "mean tip deflection_m against beam theory",
+            by_beam_theory,
+            mean,
+            0.01,
+            "Timoshenko's cantilever under an even load, and half a sphere's weight that hangs over the tip",
         )
 
     def _by_beam_theory(self, law: bond_law.Bond) -> float:
@@ -369,30 +379,27 @@ class BondEnergy(ProbedCase):
         if self.engine.velocity_age:  # half a step
             spin = (rows.spin[2:] + rows.spin[1:-1]) / 2
         kinetic = 0.5 * self.MASS * (velocity**2).sum(axis=(1, 2)) + 0.5 * self.inertia * (spin**2).sum(axis=(1, 2))
+        self._judge_energy(rows.time[1:-1], kinetic, loads, results)
+        self._judge_momenta(rows.position[1:-1], velocity, spin, results)
+        results.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
+
+    def _judge_energy(self, time: np.ndarray, kinetic: np.ndarray, loads: bond_oracle.Loads, results: Results) -> None:
+        """Kinetic energy (J, shape (rows,)) and what bond and contact hold stay together; the bond takes part."""
         total = kinetic + loads.bond_energy[:-1] + loads.contact_energy[:-1]
         start = sum(
             0.5 * self.MASS * np.dot(ball.velocity, ball.velocity) + 0.5 * self.inertia * np.dot(ball.spin, ball.spin)
             for ball in self._probe.balls
         )
-        stored = loads.bond_energy.max()
-        results.compare(
-            self.name, "energy_J", start, total[np.argmax(np.abs(total - start))], 0.005, "worst moment of 20 ms"
-        )
-        results.compare(
-            self.name,
-            "share of the energy in the bond",
-            1.0,
-            float(stored > 0.2 * start),
-            0.0,
-            "more than a fifth at times",
-        )
-        self._judge_momenta(rows.position[1:-1], velocity, spin, results)
-        results.compare(self.name, "bonds", 1, rows.bonds[-1], 0.0, "strong enough")
+        worst = total[np.argmax(np.abs(total - start))]
+        results.compare(self.name, "energy_J", start, worst, 0.005, "worst moment of 20 ms")
+        stored = float(loads.bond_energy.max() > 0.2 * start)
+        what = "share of the energy in the bond"
+        results.compare(self.name, what, 1.0, stored, 0.0, "more than a fifth at times")
         pick = slice(None, None, 50)
         results.curve(
             self.name,
             "total",
-            time_s=rows.time[1:-1][pick],
+            time_s=time[pick],
             energy_J=total[pick],
             energy_J_expected=np.full(len(total[pick]), start),
         )
@@ -460,7 +467,7 @@ class BondsBetweenClumps(ProbedCase):
 
     def judge(self, found: dict[str, Trajectory], results: Results) -> None:
         rows = found[self._probe.name]
-        motion, law = Motion(self.clump, rows), derived.bond(self.scenario)
+        law = derived.bond(self.scenario)
         results.compare(self.name, "bonds", 1, rows.bonds[0], 0.0, "one pair of spheres of different clumps touches")
         for sphere in (0, 3):
             results.compare(
@@ -477,17 +484,19 @@ class BondsBetweenClumps(ProbedCase):
         results.compare(
             self.name, "pull_N across the gap", law.normal_stiffness * law.area * stretch, pull, 0.002, "k_n A x gap"
         )
+        self._judge_momenta(Motion(self.clump, rows), results)
+
+    def _judge_momenta(self, motion: Motion, results: Results) -> None:
+        """Momentum and angular momentum stay after the wall; velocities may be half a step old, both ends alike."""
         mass = self.clump.mass_kg
-        # velocities may be half a step old; both ends are taken alike
         linear = mass * motion.velocity.sum(axis=1)
         about = (mass * np.cross(motion.centre, motion.velocity) + motion.angular_momentum()).sum(axis=1)
         for what, values in (("momentum_kgm_s", linear), ("angular_momentum_kgm2_s", about)):
-            change = np.abs(values[-1] - values[10]).max()
             results.compare(
                 self.name,
                 f"change of {what}",
                 0.0,
-                change,
+                np.abs(values[-1] - values[10]).max(),
                 0.002,
                 "after the wall, in relation to its size",
                 scale=np.linalg.norm(values[10]),

@@ -332,38 +332,10 @@ class ColumnEnergy(ProbedCase):
     def __init__(self, code: str):
         super().__init__(code)
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-        smooth = {
-            "contact.particle_particle.friction": 0.0,
-            "contact.particle_wall.friction": 0.0,
-            "contact.particle_wall.damping_ratio": 0.0,
-        }
         self.clump = derived.clump(linear)
-        pitch = 2 * self.clump.radius_m + 2e-3
-        clumps = tuple(
-            ClumpAt((X + 1e-3 * k, Y + 5e-4 * k, self.clump.radius_m + 1e-3 + k * pitch), about_y(90 + 3 * k))
-            for k in range(3)
-        )
         self._column = {
-            "linear": Probe(
-                "energy-linear",
-                linear.with_values(smooth, "smooth"),
-                1e-6,
-                100_000,
-                clumps=clumps,
-                wall="linear",
-                gravity=9.81,
-                every=50,
-            ),
-            "hertz": Probe(
-                "energy-hertz",
-                nonlinear.with_values(smooth, "smooth"),
-                2e-6,
-                100_000,
-                clumps=clumps,
-                wall="linear",
-                gravity=9.81,
-                every=50,
-            ),
+            "linear": self._falling("linear", linear, 1e-6),
+            "hertz": self._falling("hertz", nonlinear, 2e-6),
         }
         height = self.clump.radius_m + self.clump.half_distance_m * math.sin(math.radians(4.0)) + 2e-5
         slider = (ClumpAt((X, Y, height), about_y(86.0), (1.0, 0.2, -0.3), (0.0, 10.0, 0.0)),)
@@ -375,6 +347,29 @@ class ColumnEnergy(ProbedCase):
             clumps=slider,
             wall="linear",
             gravity=9.81,
+        )
+
+    def _falling(self, name: str, scenario: Scenario, step: float) -> Probe:
+        """Three clumps above each other, without friction and damping."""
+        smooth = {
+            "contact.particle_particle.friction": 0.0,
+            "contact.particle_wall.friction": 0.0,
+            "contact.particle_wall.damping_ratio": 0.0,
+        }
+        pitch = 2 * self.clump.radius_m + 2e-3
+        clumps = tuple(
+            ClumpAt((X + 1e-3 * k, Y + 5e-4 * k, self.clump.radius_m + 1e-3 + k * pitch), about_y(90 + 3 * k))
+            for k in range(3)
+        )
+        return Probe(
+            f"energy-{name}",
+            scenario.with_values(smooth, "smooth"),
+            step,
+            100_000,
+            clumps=clumps,
+            wall="linear",
+            gravity=9.81,
+            every=50,
         )
 
     def probes(self) -> list[Probe]:

@@ -157,47 +157,45 @@ class HeadOn(MeasuredImpacts):
 
     def make(self) -> None:
         linear, nonlinear = load_scenario("linear-mu0.8"), load_scenario("nonlinear-en1.0")
-        clump = derived.clump(linear)
-        mass, radius = (
-            contact_laws.effective_mass(clump.mass_kg, clump.mass_kg),
-            contact_laws.effective_radius(clump.radius_m, clump.radius_m),
-        )
+        self.clump = derived.clump(linear)
+        self.mass = contact_laws.effective_mass(self.clump.mass_kg, self.clump.mass_kg)
+        self.radius = contact_laws.effective_radius(self.clump.radius_m, self.clump.radius_m)
         for speed in (0.1, 1.0):
-            law = self.engine.pair(linear, mass, radius)
-            probe = against_ball(f"linear-{speed:g}", linear, law, clump.radius_m, clump.mass_kg, speed)
-            self.add(probe, law, speed, expected=contact_laws.linear_impact(mass, law.normal_stiffness, 0.0, speed))
+            law = self.engine.pair(linear, self.mass, self.radius)
+            closed = contact_laws.linear_impact(self.mass, law.normal_stiffness, 0.0, speed)
+            self._add_pair("linear", linear, law, speed, expected=closed)
             for mode, nominal in [(m, e) for m in (0, 1, 2) for e in (0.0, 0.3, 0.6, 0.9, 1.0) if m or e]:
                 scenario = nonlinear.with_values(
                     {"contact.particle_particle.damping_mode": mode, "contact.particle_particle.restitution": nominal},
                     "head-on",
                 )
-                law = self.engine.pair(scenario, mass, radius)
+                law = self.engine.pair(scenario, self.mass, self.radius)
                 factor = contact_laws.damping_factor(mode, nominal)
-                name = f"md{mode}-en{nominal:g}-{speed:g}"
-                closed = _hysteretic_closed_form(mass, law, factor, speed)
-                paper, reason = dict(closed), ""
-                if isinstance(law, oracle.ViscousHertz):
-                    closed = {
-                        "restitution": contact_laws.hysteretic_restitution(factor)
-                    }  # of the paper's law, not of what stands in
-                    own = oracle.head_on(law, speed)
-                    reason = (
-                        self.engine.hysteretic_note
-                        + "; the paper's law: peak overlap {:+.1%}, peak force {:+.1%}".format(
-                            paper["peak_overlap_m"] / own.peak_overlap_m - 1,
-                            oracle.head_on(PAPER.pair(scenario, mass, radius), speed).peak_force_N / own.peak_force_N
-                            - 1,
-                        )
-                    )
-                elif factor > contact_laws.LIMIT_FREE_FACTOR:
-                    closed, reason = {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
-                self.add(
-                    against_ball(name, scenario, law, clump.radius_m, clump.mass_kg, speed),
-                    law,
-                    speed,
-                    reason=reason,
-                    expected=closed,
-                )
+                closed, reason = self._expected(scenario, law, factor, speed)
+                self._add_pair(f"md{mode}-en{nominal:g}", scenario, law, speed, reason, closed)
+
+    def _add_pair(self, name: str, scenario: Scenario, law, speed: float, reason: str = "", expected=None) -> None:
+        clump = self.clump
+        probe = against_ball(f"{name}-{speed:g}", scenario, law, clump.radius_m, clump.mass_kg, speed)
+        self.add(probe, law, speed, reason=reason, expected=expected)
+
+    def _expected(self, scenario: Scenario, law, factor: float, speed: float) -> tuple[dict[str, float], str]:
+        """What is known in closed form of an impact with the damping factor D, and what is said of it."""
+        closed = _hysteretic_closed_form(self.mass, law, factor, speed)
+        if isinstance(law, oracle.ViscousHertz):
+            own = oracle.head_on(law, speed)
+            paper = oracle.head_on(PAPER.pair(scenario, self.mass, self.radius), speed)
+            overlap, force = (
+                closed["peak_overlap_m"] / own.peak_overlap_m - 1,
+                paper.peak_force_N / own.peak_force_N - 1,
+            )
+            # restitution of the paper's law, not of what stands in
+            return {"restitution": contact_laws.hysteretic_restitution(factor)}, (
+                f"{self.engine.hysteretic_note}; the paper's law: peak overlap {overlap:+.1%}, peak force {force:+.1%}"
+            )
+        if factor > contact_laws.LIMIT_FREE_FACTOR:
+            return {}, f"D = {factor:.3g}: the dashpot meets its limit, expected from the oracle"
+        return closed, ""
 
 
 def _hysteretic_closed_form(mass: float, law, factor: float, speed: float) -> dict[str, float]:
@@ -394,31 +392,9 @@ class Oblique(ProbedCase):
         curves: dict[str, list] = {}
         for label, scenario, angle, probe in self._entries:
             law = wall_law(scenario, self.clump.mass_kg)
-            (x, _, z), (expected, reason) = probe.balls[0].velocity, self._expected(law, probe)
-            restitution = contact_laws.dashpot_restitution(law.damping_ratio)
             last, where = found[probe.name], f"of {label} at {angle} deg"
             measured = (last.velocity[-1, 0, 0], last.velocity[-1, 0, 2], last.spin[-1, 0, 1])
-            results.compare(
-                self.name,
-                f"tangential_velocity_m_s {where}",
-                expected[0],
-                measured[0],
-                0.005,
-                reason + "; error in relation to the incoming velocity along the wall",
-                scale=x,
-            )
-            results.compare(
-                self.name, f"normal_velocity_m_s {where}", -restitution * z, measured[1], 0.005, "closed form"
-            )
-            results.compare(
-                self.name,
-                f"spin_rad_s {where}",
-                expected[2],
-                measured[2],
-                0.005,
-                reason + "; error in relation to that velocity over the radius",
-                scale=x / self.clump.radius_m,
-            )
+            expected = self._judge_impact(where, law, probe, measured, results)
             curves.setdefault(label, []).append((angle, measured[0], expected[0], measured[2], expected[2]))
         for label, points in curves.items():
             columns = np.array(points).T
@@ -431,6 +407,31 @@ class Oblique(ProbedCase):
                 spin_rad_s=columns[3],
                 spin_rad_s_expected=columns[4],
             )
+
+    def _judge_impact(self, where: str, law, probe: Probe, measured: tuple, results: Results) -> np.ndarray:
+        """Velocity along and from the wall and spin after an impact; what is expected of them is returned."""
+        (x, _, z), (expected, reason) = probe.balls[0].velocity, self._expected(law, probe)
+        rebound = -contact_laws.dashpot_restitution(law.damping_ratio) * z
+        results.compare(
+            self.name,
+            f"tangential_velocity_m_s {where}",
+            expected[0],
+            measured[0],
+            0.005,
+            reason + "; error in relation to the incoming velocity along the wall",
+            scale=x,
+        )
+        results.compare(self.name, f"normal_velocity_m_s {where}", rebound, measured[1], 0.005, "closed form")
+        results.compare(
+            self.name,
+            f"spin_rad_s {where}",
+            expected[2],
+            measured[2],
+            0.005,
+            reason + "; error in relation to that velocity over the radius",
+            scale=x / self.clump.radius_m,
+        )
+        return expected
 
     def _expected(self, law: oracle.Linear, probe: Probe) -> tuple[np.ndarray, str]:
         """Velocity along and from the wall and spin after the impact, and where they come from."""

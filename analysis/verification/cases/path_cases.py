@@ -26,6 +26,11 @@ CLOSING_AGAIN = ((1.1, -0.6), 30)
 PATH = (LOADING, SLIDING, BACK, UNLOADING, RELOADING, SEPARATION, CLOSING_AGAIN)
 
 
+def _ends() -> np.ndarray:
+    """Step after which each part of the path has ended."""
+    return np.cumsum([steps for _, steps in PATH])
+
+
 class PrescribedPaths(ProbedCase):
     """Case 2: normal and shear force at every point of the path, in a wall contact and in contacts of two spheres."""
 
@@ -102,14 +107,8 @@ class PrescribedPaths(ProbedCase):
 
     def _judge(self, name: str, probe: Probe, found: Trajectory, results: Results) -> None:
         scenario, wall, *_ = self._entries[name]
-        r, mass = self.clump.radius_m, self.clump.mass_kg
         overlap, closing, sliding, normal, along = self.geometry(probe)
-        if wall:
-            law = wall_law(scenario, mass)
-        else:
-            law = self.engine.pair(
-                scenario, contact_laws.effective_mass(mass, HELD_MASS), contact_laws.effective_radius(r, r)
-            )
+        law = wall_law(scenario, self.clump.mass_kg) if wall else self._law_of_spheres(scenario)
         own = self.engine.along(scenario["contact.origin"] == "engine")
         normal_force, shear_force = oracle.forces_along(law, overlap, closing, sliding, **own.deviates)
         force = found.force[1 : len(normal) + 1, 0]
@@ -120,14 +119,8 @@ class PrescribedPaths(ProbedCase):
         results.compare_curves(self.name, f"shear_force_N of {name}", shear_force, measured_shear, tolerance, reason)
 
         self._judge_moments(name, overlap, shear_force, measured_shear, own, results)
-        ends = np.cumsum([steps for _, steps in PATH])
-        apart = int((overlap[ends[4] : ends[5]] < 0).sum()) // 2 + ends[4] + 1
-        while overlap[apart] >= 0:
-            apart += 1
-        results.compare(
-            self.name, f"force_N while apart of {name}", 0.0, np.abs(force[apart - 1]).max(), 0.0, "no contact"
-        )
-        slips = ends[4] - 1
+        self._judge_apart(name, overlap, force, results)
+        slips = _ends()[4] - 1
         limit = law.friction * law.elastic(overlap[slips + 1])
         note = "friction x elastic force, without the dashpot"
         if own.slip_limit:
@@ -145,9 +138,25 @@ class PrescribedPaths(ProbedCase):
             shear_force_N_expected=shear_force,
         )
 
+    def _law_of_spheres(self, scenario: Scenario):
+        """The engine's law between the moved sphere and the held one."""
+        r, mass = self.clump.radius_m, self.clump.mass_kg
+        return self.engine.pair(
+            scenario, contact_laws.effective_mass(mass, HELD_MASS), contact_laws.effective_radius(r, r)
+        )
+
+    def _judge_apart(self, name: str, overlap: np.ndarray, force: np.ndarray, results: Results) -> None:
+        """No force (n, 3) in the middle of the time in which the contact is open; `overlap` (n + 1,)."""
+        ends = _ends()
+        apart = int((overlap[ends[4] : ends[5]] < 0).sum()) // 2 + ends[4] + 1
+        while overlap[apart] >= 0:
+            apart += 1
+        worst = np.abs(force[apart - 1]).max()
+        results.compare(self.name, f"force_N while apart of {name}", 0.0, worst, 0.0, "no contact")
+
     def _judge_moments(self, name: str, overlap, expected, measured, own: Along, results: Results) -> None:
         """Shear force (n,) after the steps in which the contact closes; `overlap` (n + 1,)."""
-        ends = np.cumsum([steps for _, steps in PATH])
+        ends = _ends()
         closes = int(np.flatnonzero(overlap[1:] > 0)[0])
         again = ends[5] + int(np.flatnonzero(overlap[ends[5] + 1 :] > 0)[0])
         for step, what in ((closes, "after the closing step"), (again, "after closing again")):
