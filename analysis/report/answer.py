@@ -68,18 +68,20 @@ JUDGED = "full"
 """Profile of the runs that the paper's claims are judged on."""
 
 LEAST_TOLD = 100
-"""Outcomes are told after at least this many cycles where all readings have reached them."""
+"""Outcomes are told after at least this many cycles where a reading has reached them; a shorter one then is not."""
 
 
 def told_cycle(found: Findings, profile: str, scenario: str, code: str) -> int:
-    """The cycle after which a scenario is told, the same in each reading: of those that every reading has reached and
-    that are long enough, the one with most packed beds, of equals the last.
+    """The cycle after which a scenario is told, the same in each reading that is long enough: of those that they all
+    have reached, the one with most packed beds, of equals the last.
     """
     rows = only(found.values, profile=profile, scenario=scenario, code=code, quantity="settlement_m")
-    beds = rows.pivot_table(index="cycle", columns="reading", values="beds").dropna().min(axis=1)
-    if beds.empty:
+    if rows.empty:
         return 0
-    beds = beds[beds.index >= min(LEAST_TOLD, beds.index.max())]
+    least = min(LEAST_TOLD, rows["cycle"].max())
+    rows = rows[rows.groupby("reading")["cycle"].transform("max") >= least]
+    beds = rows.pivot_table(index="cycle", columns="reading", values="beds").dropna().min(axis=1)
+    beds = beds[beds.index >= min(least, beds.index.max())]
     return int(beds[beds == beds.max()].index.max())
 
 
@@ -158,10 +160,20 @@ def of_the_paper(verdicts: pd.DataFrame) -> pd.DataFrame:
     return verdicts[verdicts["about"] == PAPER] if "about" in verdicts else verdicts
 
 
-def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> list[dict]:
-    """Of each key scenario and reading the bed in which the codes differ most."""
-    rows = verdicts[verdicts["scenario"].isin(scenarios)].sort_values("codes_ratio")
-    return rows.groupby(["scenario", "reading"], sort=True).tail(1).sort_index().to_dict("records")
+def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> dict[str, dict]:
+    """The bed of a key scenario in which the codes differ most within the judged cycles, and that after the late one,
+    where there is one later than these: `within` and `late`.
+    """
+    rows = verdicts[verdicts["scenario"].isin(scenarios)]
+    late = rows[rows["late_cycle"] > rows["cycles"]]
+    found = {"within": rows.sort_values("codes_ratio"), "late": late.sort_values("codes_late_ratio")}
+    return {name: part.iloc[-1].to_dict() for name, part in found.items() if len(part)}
+
+
+def influences(found: Findings, scenarios: tuple[str, ...], profile: str) -> pd.DataFrame:
+    """Change of the settlement of `scenarios` by one thing changed at a time: rows of the finding, smallest first."""
+    rows = only(found.influence, profile=profile, quantity="settlement_m").dropna(subset=["change_ratio"])
+    return rows[rows["scenario"].isin(scenarios)].sort_values("change_ratio", key=abs)
 
 
 def servo_filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
@@ -171,7 +183,9 @@ def servo_filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
 
 
 def _bonded(found: Findings, profile: str) -> dict:
-    """How the bonded model settles under the true load, and what became of its bonds; {} without a run of it."""
+    """How the bonded model settles under the true load, what became of its bonds, and how it settles without them; {}
+    without a run of it.
+    """
     rows = only(found.bonds, profile=profile, variant="")
     if rows.empty:
         return {}
@@ -179,7 +193,10 @@ def _bonded(found: Findings, profile: str) -> dict:
     last = only(rows, code=first["code"], seed=first["seed"]).sort_values("cycle").iloc[-1]
     outcome = outcomes(found, [last["scenario"]], profile).get((last["scenario"], TRUE_LOAD, last["code"]))
     made = int(last["bonds_made"])
-    return {"outcome": outcome, "made": made, "broken": made - int(last["bonds"])} if outcome else {}
+    without = influences(found, (last["scenario"],), profile)
+    without = only(without, variant="no-bonds", reading=TRUE_LOAD, code=last["code"]).to_dict("records")
+    bonds = {"made": made, "broken": made - int(last["bonds"]), "without": without[0] if without else {}}
+    return {"outcome": outcome} | bonds if outcome else {}
 
 
 def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dict:

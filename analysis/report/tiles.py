@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
-from analysis.report.answer import of_the_paper, only, servo_filter, states
+from analysis.report.answer import influences, of_the_paper, only, servo_filter, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables.table_html import number
@@ -60,10 +60,10 @@ def _servo(data: ReportData, profile: str) -> Tile | None:
 
 
 def _influence(data: ReportData, profile: str) -> Tile | None:
-    rows = only(data.findings.influence, profile=profile, quantity="settlement_m").dropna(subset=["change_ratio"])
+    rows = influences(data.findings, KEY_SCENARIOS, profile)
     if rows.empty:
         return None
-    largest = rows.loc[rows["change_ratio"].abs().idxmax()]
+    largest = rows.iloc[-1]
     return Tile(
         f"{100 * largest['change_ratio']:+.0f} %".replace("-", "−"),
         f"change of settlement by {variant_name(largest['variant'])}, the largest of what was varied",

@@ -24,7 +24,7 @@ def demo_page(data: ReportData) -> dict | None:
     return {
         "box": box,
         "left_out": [k for k, inside in zip(SPHERES, box.measurement_fits, strict=True) if not inside] if box else [],
-        "answer": lines("answer.txt", **answer(data.findings, KEY_SCENARIOS, PROFILE) | {"same_bed": []}),
+        "answer": lines("answer.txt", **answer(data.findings, KEY_SCENARIOS, PROFILE) | {"same_bed": {}}),
         "figures": demo_figures(data.gallery, members),
         "outcomes": outcome_table(outcomes(data.findings)),
         "beside": beside_table(beside_full(data.findings.members)),
