@@ -12,6 +12,7 @@ import warnings
 import xml.etree.ElementTree as xml
 import zipfile
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -28,6 +29,7 @@ from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
 from analysis.report import data_archive, readme, style
+from analysis.report.answer import told_cycle
 from analysis.report.figures.bed_figures import KEPT_BED
 from analysis.report.pictures import render, turnable, view
 from analysis.report.pictures.scene import kept_cycles, load_scene, packed_scene
@@ -217,15 +219,32 @@ def full(tmp_path_factory):
     return results, root / "report", build(results, root / "report")
 
 
-def test_overview_opens_with_the_answer_and_folds_what_is_pending(full):
+def test_a_short_reading_does_not_shorten_what_is_told_of_a_long_one():
+    def told(**last_cycles):
+        rows = [
+            {"reading": reading, "cycle": cycle, "beds": 1}
+            for reading, last in last_cycles.items()
+            for cycle in (1, 20, 100)
+            if cycle <= last
+        ]
+        same = {"profile": "full", "scenario": "a", "code": "liggghts", "quantity": "settlement_m"}
+        values = pd.DataFrame(rows).assign(**same)
+        return told_cycle(SimpleNamespace(values=values), "full", "a", "liggghts")
+
+    assert told(force=100, servo=20) == 100
+    assert told(force=20, servo=1) == 1, "where none is long, both are told after the same cycle"
+    assert told(force=100, servo=100) == 100
+
+
+def test_overview_opens_with_the_test_and_the_answer_and_folds_what_is_pending(full):
     page = full[2]["index.html"]
     says = page.says
     found = [
         says.index(words)
         for words in (
+            "The test.",
             "The linear model (linear μ 0.8: contacts of constant stiffness) settles 0.36 mm",
             "Pending:",
-            "The test.",
         )
     ]
     assert found == sorted(found)

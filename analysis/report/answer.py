@@ -76,12 +76,13 @@ def told_cycle(found: Findings, profile: str, scenario: str, code: str) -> int:
     have reached, the one with most packed beds, of equals the last.
     """
     rows = only(found.values, profile=profile, scenario=scenario, code=code, quantity="settlement_m")
-    if rows.empty:
-        return 0
-    least = min(LEAST_TOLD, rows["cycle"].max())
-    rows = rows[rows.groupby("reading")["cycle"].transform("max") >= least]
+    last = rows.groupby("reading")["cycle"].transform("max")
+    if (last >= LEAST_TOLD).any():
+        rows = rows[last >= LEAST_TOLD]
     beds = rows.pivot_table(index="cycle", columns="reading", values="beds").dropna().min(axis=1)
-    beds = beds[beds.index >= min(least, beds.index.max())]
+    if beds.empty:
+        return 0
+    beds = beds[beds.index >= min(LEAST_TOLD, beds.index.max())]
     return int(beds[beds == beds.max()].index.max())
 
 
