@@ -82,3 +82,25 @@ def test_no_two_modules_and_no_two_classes_share_a_name():
         node.name for path in paths for node in ast.parse(path.read_text()).body if isinstance(node, ast.ClassDef)
     ]
     assert not {name for name in classes if classes.count(name) > 1}
+
+
+LONGEST_BODY = 45
+"""Lines without the docstring: what fits on a screen, so that nobody has to scroll to understand a function."""
+
+
+def body_lines(function):
+    """Lines from the first statement after the docstring to the end."""
+    statements = function.body[1:] if ast.get_docstring(function) is not None else function.body
+    return function.end_lineno - statements[0].lineno + 1 if statements else 0
+
+
+def test_no_function_is_longer_than_a_screen():
+    paths = [path for folder in (ANALYSIS, ANALYSIS.parent / "yade") for path in folder.rglob("*.py")]
+    functions = [
+        (f"{path.name}: {node.name}", body_lines(node))
+        for path in paths
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+    ]
+    assert functions
+    assert not [(name, lines) for name, lines in functions if lines > LONGEST_BODY]

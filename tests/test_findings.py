@@ -11,6 +11,7 @@ from synthetic import LATERAL_PROFILE, STROKE_M, write_run
 from analysis.comparison.findings import agreement
 from analysis.comparison.findings.find import find
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
+from analysis.comparison.findings.timestep_spread import timestep_spread_table
 from analysis.driver.keep import keep
 from analysis.files import KEPT_RUNS
 from analysis.formats import file_columns
@@ -203,6 +204,21 @@ def test_the_band_of_one_bed_takes_in_the_replicates_of_the_time_step_study():
     assert together["band_late_ratio"] == pytest.approx(2 * 1.1 / 3.1), "later cycles are shown, not judged"
     servo = agreement.same_bed_verdicts(found.assign(reading="servo"), timestep).iloc[0]
     assert servo["band_pairs"] == 0, "the study of the time step is made under the true load"
+
+
+def test_the_spread_by_the_time_step_stands_beside_those_by_beds_and_by_rounding():
+    runs = {"paper": 1.0, "verified": 2.0, "0.8": 2.5, "rounding": 2.1, "seed 2": 2.4, "seed 3": 1.7}
+    done = [{"scenario": "a", "case": case, "cycle": 20, "settlement_m": m} for case, m in runs.items()]
+    early = [row | {"cycle": 10, "settlement_m": 9.0} for row in done]
+    other = [{"scenario": "b", "case": "paper", "cycle": 20, "settlement_m": 1.0}]  # not yet by the study's step
+    timestep = pd.DataFrame([*done, *early, *other]).assign(state="done")
+    pending = pd.DataFrame([{"scenario": "a", "case": "half", "cycle": 20, "settlement_m": 7.0, "state": "pending"}])
+    (row,) = timestep_spread_table(pd.concat([timestep, pending], ignore_index=True)).to_dict("records")
+    assert row["scenario"] == "a" and row["cycle"] == 20
+    assert row["steps_ratio"] == pytest.approx(1.5 / 2)
+    assert row["beds_ratio"] == pytest.approx(0.7 / 2)
+    assert row["rounding_ratio"] == pytest.approx(0.1 / 2)
+    assert timestep_spread_table(pd.DataFrame()).empty
 
 
 def test_what_the_servo_makes_of_the_load_follows_from_counted_contacts_gain_and_bed(tmp_path):

@@ -249,11 +249,11 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
         "steps": step_shares(found.timestep, key_scenarios),
         "clumps": [int(clumps.min()), int(clumps.max())] if len(clumps) else [],
         "energy": ranges("loop_energy_J").reset_index().to_dict("records"),
-        "hours": hours(found.computing_time, key_scenarios, profile),
+        "hours": fastest_hours(found.computing_time, key_scenarios, profile),
     }
 
 
-def hours(computing_time: pd.DataFrame, scenarios: tuple[str, ...], profile: str) -> list[tuple[str, float]]:
+def fastest_hours(computing_time: pd.DataFrame, scenarios: tuple[str, ...], profile: str) -> list[tuple[str, float]]:
     """Hours of one core for 1000 cycles under the true load in LIGGGHTS, of each scenario's fastest run."""
     rows = only(computing_time, profile=profile, variant="", code="liggghts")
     rows = rows[rows["scenario"].isin(scenarios)]

@@ -52,7 +52,7 @@ def main(argv: list[str]) -> int:
 def with_results(text: str, found: Findings) -> str:
     """The README with its made sections renewed. Raises ValueError where the marks of a section are missing."""
     sentences = lines("answer.txt", **answer(found, KEY_SCENARIOS, "full"))
-    sections = {"results": "\n".join(f"* {line}" for line in sentences), "hours": hours(found.benchmark)}
+    sections = {"results": "\n".join(f"* {line}" for line in sentences), "hours": hours_table(found.benchmark)}
     for name, body in sections.items():
         text = markdown.replaced(text, name, COMMAND, body, README.name)
     return text
@@ -64,7 +64,7 @@ def speeds(benchmark: pd.DataFrame) -> dict[tuple[str, str], float]:
     return {(row.code, row.law): float(row.steps_per_cpu_s) for row in rows if row.case == "ours_paper_step"}
 
 
-def hours(benchmark: pd.DataFrame) -> str:
+def hours_table(benchmark: pd.DataFrame) -> str:
     """Table: hours of one core for 1000 cycles of the full bed, by reading of the load, contact law and code.
 
     benchmark   `Findings.benchmark`

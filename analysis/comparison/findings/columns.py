@@ -76,6 +76,9 @@ TOLD = {
     "scatter_ratio": Told(
         "standard deviation between packed beds over their mean, pooled over scenarios", "scatter between beds"
     ),
+    "steps_ratio": Told("spread of settlement over time steps, over the mean of the study's", "over all time steps"),
+    "beds_ratio": Told("spread of settlement over packed beds, over the same mean", "over packed beds"),
+    "rounding_ratio": Told("spread of settlement by the number of ranks, over the same mean", "by rounding alone"),
     "differs": Told("the one thing in which two runs differ: code, time.step or ranks"),
     "one": Told("one run of a pair"),
     "other": Told("the other run of a pair"),

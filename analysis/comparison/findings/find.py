@@ -9,7 +9,17 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.comparison.claims import verdicts as judged
-from analysis.comparison.findings import agreement, bond_counts, influence, laws, plate_laws, runs, servo, stock_models
+from analysis.comparison.findings import (
+    agreement,
+    bond_counts,
+    influence,
+    laws,
+    plate_laws,
+    runs,
+    servo,
+    stock_models,
+    timestep_spread,
+)
 from analysis.comparison.findings.columns import describe
 from analysis.comparison.findings.members import Member, choose, groups, members
 from analysis.files import KEPT_RUNS
@@ -44,6 +54,7 @@ class Findings:
     calibration      beds that `make calibrate` tried
     timestep, benchmark, benchmark_sizes, benchmark_profile
                      what `make timestep` and `make bench` kept, as they wrote it
+    timestep_spread  by how much settlement varies over time steps, packed beds and rounding
     verdicts         the paper's claims, part by part
     readings         which of them the reading of the load decides
     computing_time   cost of a cycle
@@ -75,6 +86,7 @@ class Findings:
     benchmark: pd.DataFrame
     benchmark_sizes: pd.DataFrame
     benchmark_profile: pd.DataFrame
+    timestep_spread: pd.DataFrame
     verdicts: pd.DataFrame
     readings: pd.DataFrame
     computing_time: pd.DataFrame
@@ -133,6 +145,7 @@ def find(
         plate_laws=plate_laws.plate_laws_table(listed),
         stock=stock_models.stock_table(listed, scatter),
         **kept,
+        timestep_spread=timestep_spread.timestep_spread_table(kept["timestep"]),
         verdicts=judged.to_frame(verdicts),
         readings=judged.compare_readings(verdicts),
         computing_time=runs.computing_time_table(listed),

@@ -15,9 +15,7 @@ BED_WAITS = "It needs a run whose beds are on this machine, or a bed in referenc
 
 
 def paper_figures(data: ReportData) -> dict:
-    """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any, 10 to 13 in both readings of the
-    load.
-    """
+    """Figures 5, 6 and 9 to 13 remade, from full-size runs where there are any; 10 to 13 in both readings."""
     profile = data.profiles[0] if data.profiles else "full"
     groups = [with_what_is_there(part) for part in all_groups(data, profile)]
     return {

@@ -14,7 +14,7 @@ def timestep_page(data: ReportData) -> dict | None:
         return None
     done = table[(table["state"] == "done") & (table["cycle"] == table["cycle"].max())]
     return {
-        "spread": spread_table(table),
+        "spread": spread_table(data.findings.timestep_spread),
         "shares": shares_table(table),
         "done": len(done),
         "wanted": len(table[["scenario", "case"]].drop_duplicates()),

@@ -17,12 +17,19 @@ from analysis.report.labels import KPA
 from analysis.report.tables.table_html import Shown, Table, frame_table, number, shown
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
+from analysis.scenarios.schema import STATUSES
 
 STATUS_KIND = {"reported": "good", "derived": "calm", "assumed": "open", "calibrated": "bad"}
 """Colours of the statuses."""
 
 UNCERTAIN = {"assumed", "calibrated"}
 """Statuses of parameters whose value nobody reported."""
+
+
+def status_counts(parameters: dict) -> list[dict]:
+    """How many parameters have each status."""
+    found = [p.status for p in parameters.values()]
+    return [{"name": status, "kind": STATUS_KIND[status], "count": found.count(status)} for status in STATUSES]
 
 
 def parameter_groups(parameters: dict) -> list[dict]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 from analysis.formats.file_columns import PLATES, SPHERES
@@ -44,37 +43,14 @@ def shares_table(table: pd.DataFrame) -> Table | None:
     )
 
 
-def spread_table(table: pd.DataFrame) -> Table | None:
-    """By how much settlement after the last cycle varies over steps, over packed beds and by rounding alone."""
-    last = table[(table["cycle"] == table["cycle"].max()) & (table["state"] == "done")]
-    rows = []
-    for scenario, part in last.groupby("scenario", sort=False):
-        study = part[part["case"] == "verified"]
-        if study.empty:
-            continue
-        of_seeds = part["case"].str.startswith("seed")
-        varied = {
-            "steps": part[~of_seeds & (part["case"] != "rounding")],
-            "beds": part[of_seeds | (part["case"] == "verified")],
-            "rounding": part[part["case"].isin(["verified", "rounding"])],
-        }
-        mean = study["settlement_m"].mean()
-        ratios = {f"{name}_ratio": np.ptp(runs["settlement_m"]) / mean for name, runs in varied.items()}
-        rows.append({"scenario": scenario} | ratios)
+def spread_table(spread: pd.DataFrame) -> Table | None:
+    """By how much settlement after the last cycle varies; `spread` is `Findings.timestep_spread`."""
+    if spread.empty:
+        return None
     return frame_table(
-        pd.DataFrame(rows),
-        f"By how much settlement after {plural(int(table['cycle'].max()), 'cycle')} varies",
-        [
-            "scenario",
-            *(
-                Shown(f"{name}_ratio", label, digits=2)
-                for name, label in (
-                    ("steps", "over all time steps"),
-                    ("beds", "over packed beds"),
-                    ("rounding", "by rounding alone"),
-                )
-            ),
-        ],
+        spread,
+        f"By how much settlement after {plural(int(spread['cycle'].max()), 'cycle')} varies",
+        ["scenario", *(Shown(f"{name}_ratio", digits=2) for name in ("steps", "beds", "rounding"))],
     )
 
 
