@@ -6,6 +6,7 @@ from pathlib import Path
 from analysis.arguments import Parser
 from analysis.driver import run
 from analysis.driver.engine import write_common_inputs
+from analysis.formats.run_record import STAGES
 
 PROGRAM = Path(__file__).resolve().parent / "fake_engine.py"
 
@@ -14,6 +15,7 @@ class FakeEngine:
     """An engine that computes nothing worth the time, see fake_engine.py."""
 
     checkpoint_suffix = "yade.gz"
+    stages = STAGES
 
     def __init__(self, name):
         self.name = name

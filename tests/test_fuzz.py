@@ -17,7 +17,7 @@ from analysis.__main__ import main as ballast
 from analysis.comparison.claims.verdicts import ClaimError, load_claims
 from analysis.driver import checkpoints, status
 from analysis.driver.bench import bench_tables
-from analysis.driver.unload import add_row
+from analysis.driver.unload import UnloadError, add_row, unload
 from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, PUBLISHED, ROOT
 from analysis.formats import bed_file, file_columns, kept_tables, table_file
 from analysis.formats.errors import InputError
@@ -116,6 +116,11 @@ def test_tables_of_kept_runs(tmp_path, name):
     columns, whole = TABLES_OF_KEPT_RUNS[name]
     found = fuzz(tmp_path / name, OF_TABLES, lambda path: read_table(path, columns, whole), check_columns(columns))
     assert found > MUTATIONS / 2
+
+
+def test_unloading_in_a_code_without_that_stage_names_the_one_that_has_it(tmp_path):
+    with pytest.raises(UnloadError, match="yade has no stage that unloads; give CODE=liggghts"):
+        unload(tmp_path, "yade", 1)
 
 
 def test_unloading_adds_to_a_table_or_refuses_a_damaged_one_and_leaves_it(tmp_path):

@@ -24,10 +24,12 @@ class Engine(Protocol):
 
     name                name of the code, as on the command line and in folders
     checkpoint_suffix   ending of its checkpoints
+    stages              names of the stages that `command` knows: those of a run, and others on a copy of one
     """
 
     name: str
     checkpoint_suffix: str
+    stages: tuple[str, ...]
 
     def version(self) -> str:
         """Name and version of what is installed, e.g. `yade 2023.02a`. Raises EngineError where it is missing."""

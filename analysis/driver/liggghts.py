@@ -8,6 +8,7 @@ from pathlib import Path
 
 from analysis.driver.engine import EngineError, package_version, write_common_inputs
 from analysis.files import ROOT, write_aside
+from analysis.formats.run_record import STAGES
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
@@ -23,6 +24,7 @@ class Liggghts:
 
     name = "liggghts"
     checkpoint_suffix = "restart"
+    stages = (*STAGES, "unload")
 
     def __init__(self, host: Path = HOST):
         self.host = host

@@ -23,6 +23,7 @@ from analysis.normalised.readers import UNLOADED
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import Scenario
 
+STAGE = "unload"
 RAMP_TIME_S, REST_TIME_S = 0.2, 0.1
 """Four periods of the load, so that the servo follows, and two more for the bed to come to rest."""
 MEAN_OF = 16
@@ -38,8 +39,9 @@ def unload(folder: Path, code: str, seed: int) -> dict[str, float]:
 
     Raises UnloadError for a run without a checkpoint at the end of a cycle, or whose engine failed.
     """
-    if code != "liggghts":
-        raise UnloadError(f"{folder}: unloading is a deck of LIGGGHTS alone; give CODE=liggghts")
+    if STAGE not in ENGINES[code].stages:
+        able = " or ".join(f"CODE={name}" for name, engine in ENGINES.items() if STAGE in engine.stages)
+        raise UnloadError(f"{folder}: {code} has no stage that unloads; give {able}")
     if not (folder / "scenario.json").exists():
         raise UnloadError(f"{folder}: there is no run; run the scenario first")
     scenario = Scenario.from_json((folder / "scenario.json").read_text())
@@ -54,7 +56,7 @@ def unload(folder: Path, code: str, seed: int) -> dict[str, float]:
         times = {"unload_ramp_time": RAMP_TIME_S, "unload_rest_time": REST_TIME_S}
         lines = [f"variable {key} index {value!r}" for key, value in times.items()]
         write_aside(copy / "parameters.in", "\n".join([(copy / "parameters.in").read_text(), *lines, ""]))
-        process = EngineProcess(ENGINES[code].command("unload", copy, last.path.resolve()), copy / "log" / "unload.log")
+        process = EngineProcess(ENGINES[code].command(STAGE, copy, last.path.resolve()), copy / "log" / "unload.log")
         if process.wait(3600) != 0:
             process.kill()
             errors = [line for line in process.last_output().splitlines() if "ERROR" in line]

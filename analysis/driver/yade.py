@@ -9,6 +9,7 @@ from pathlib import Path
 
 from analysis.driver.engine import EngineError, package_version, write_common_inputs
 from analysis.files import ROOT
+from analysis.formats.run_record import STAGES
 from analysis.scenarios.scenario import Scenario
 
 LAUNCHER = ROOT / "yade" / "launch.sh"  # `yade` on faster memory
@@ -19,6 +20,7 @@ class Yade:
 
     name = "yade"
     checkpoint_suffix = "yade.gz"
+    stages = STAGES
 
     def version(self) -> str:
         return f"yade {_version()}"

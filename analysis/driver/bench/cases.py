@@ -2,31 +2,58 @@
 
 from __future__ import annotations
 
-import os
-import re
-import subprocess
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Protocol
 
-from analysis.driver.bench import stock_deck
 from analysis.driver.bench.bench_beds import Preloaded, bench_scenario, write_widened
 from analysis.driver.bench.meter import Speed, measure
+from analysis.driver.bench.stock_deck import StockDeck
+from analysis.driver.bench.stock_script import StockScript
 from analysis.driver.engine import EngineError
 from analysis.driver.engines import ENGINES
 from analysis.driver.process import EngineProcess
-from analysis.files import ROOT
 from analysis.scenarios import derived
 
 SHARES = {"liggghts": 1 / 8, "yade": 1 / 16}
 """Share of a cycle that is timed, of narrow beds more: YADE is the slower one."""
 LARGEST_SHARE = 0.9
-STOCK_STEPS = 400
-"""Steps of the stock YADE script, which times itself."""
 WHO = ("paper", "verified", "stock")
 """Ours with either step, and the stock deck or script with the paper's."""
-STOCK_SCRIPT = "yade/stock.py"
-STOCK_PRINTS = re.compile(r"(\d+) steps, ([\d.]+) s of processor time")
+
+
+class Contender(Protocol):
+    """What can be timed on the bed of a case."""
+
+    def prepare(self, case: TimedCase) -> None:
+        """Make the files that timing needs, once. Raises EngineError where the engine fails."""
+
+    def argv(self, case: TimedCase) -> list[str]:
+        """The command that is timed."""
+
+    def time(self, case: TimedCase) -> Speed:
+        """Time it once."""
+
+
+class Ours:
+    """The engine's own stage `cyclic`, from a checkpoint at the end of preload."""
+
+    def prepare(self, case: TimedCase) -> None:
+        """Preload the bed."""
+        if not case.checkpoint.exists():
+            _finish(ENGINES[case.code].command("preload", case.folder), case.folder)
+
+    def argv(self, case: TimedCase) -> list[str]:
+        """The command that is timed."""
+        return ENGINES[case.code].command("cyclic", case.folder, case.checkpoint, case.ranks)
+
+    def time(self, case: TimedCase) -> Speed:
+        """Time it once."""
+        return case.timed(self.argv(case), Path("raw") / "cyclic.csv")
+
+
+STOCK: dict[str, Contender] = {"liggghts": StockDeck(), "yade": StockScript()}
 
 
 @dataclass
@@ -68,56 +95,44 @@ class TimedCase:
         return self.folder / "checkpoints" / f"cyclic_000000.{ENGINES[self.code].checkpoint_suffix}"
 
     @property
-    def _stock_is_a_deck(self) -> bool:
-        """Stock LIGGGHTS reads a deck that is written for the case; stock YADE runs a script, which times itself."""
-        return self.code == stock_deck.CODE
+    def contender(self) -> Contender:
+        """What runs on the bed."""
+        return STOCK[self.code] if self.who == "stock" else Ours()
 
     def prepare(self) -> None:
         """Make all files that timing needs, once: inputs, bed and checkpoint. EngineError where the engine fails."""
         ENGINES[self.code].write_inputs(self.scenario, self.folder, 1)
-        packed = self.folder / "raw" / "bed_packed.csv"
-        self.clumps = write_widened(self.bed.bed, self.scenario, self.width, packed)
-        if self.who == "stock":
-            if self._stock_is_a_deck:
-                stock_deck.write_case(self.scenario, self.bed, self.folder)
-        elif not self.checkpoint.exists():
-            self._finish(ENGINES[self.code].command("preload", self.folder))
+        self.clumps = write_widened(self.bed.bed, self.scenario, self.width, self.packed)
+        self.contender.prepare(self)
 
-    def _finish(self, argv: list[str]) -> None:
-        engine = EngineProcess(argv, self.folder / "log" / "preload.log")
-        try:
-            while (code := engine.wait(1.0)) is None:
-                pass
-        finally:
-            engine.kill()
-        if code:
-            raise EngineError(f"{self.folder.name}: {engine.last_output().strip().splitlines()[-1]}")
+    @property
+    def packed(self) -> Path:
+        """The bed that is loaded."""
+        return self.folder / "raw" / "bed_packed.csv"
 
     def argv(self) -> list[str]:
         """The command that is timed."""
-        if self.who != "stock":
-            return ENGINES[self.code].command("cyclic", self.folder, self.checkpoint, self.ranks)
-        if self._stock_is_a_deck:
-            return stock_deck.command(self.scenario, self.folder)
-        packed = self.folder / "raw" / "bed_packed.csv"
-        steps = str(STOCK_STEPS)
-        return ["yade", f"-j{self.ranks}", "-n", "-x", STOCK_SCRIPT, str(self.folder), str(packed), steps]
+        return self.contender.argv(self)
 
     def time(self) -> Speed:
         """Time it once."""
-        if self.who == "stock" and not self._stock_is_a_deck:
-            return self._own_timing()
-        rows = self.folder / (stock_deck.ROWS if self.who == "stock" else Path("raw") / "cyclic.csv")
+        return self.contender.time(self)
+
+    def timed(self, argv: list[str], rows: Path) -> Speed:
+        """Steps per second of a command that adds to the file `rows` of the folder while it runs."""
         share = min(LARGEST_SHARE, SHARES[self.code] * max(1.0, 1 / self.width))  # processor time comes in ticks
         steps = int(share * derived.time_grid(self.scenario).steps_per_cycle) - 1
         (self.folder / "raw" / "state.csv").unlink(missing_ok=True)
         threads = ENGINES[self.code].parallel(self.ranks)["threads"]
-        return measure(self.argv(), self.folder / "log" / "timed.log", rows, steps, threads)
+        return measure(argv, self.folder / "log" / "timed.log", self.folder / rows, steps, threads)
 
-    def _own_timing(self) -> Speed:
-        modules = os.environ | {"PYTHONPATH": str(ROOT)}
-        done = subprocess.run(self.argv(), cwd=ROOT, env=modules, capture_output=True, text=True)
-        found = STOCK_PRINTS.search(done.stdout)
-        if done.returncode or not found:
-            raise EngineError(f"{STOCK_SCRIPT}: {(done.stdout + done.stderr).strip().splitlines()[-1]}")
-        return Speed(int(found[1]), float(found[2]), float("nan"))
+
+def _finish(argv: list[str], folder: Path) -> None:
+    engine = EngineProcess(argv, folder / "log" / "preload.log")
+    try:
+        while (code := engine.wait(1.0)) is None:
+            pass
+    finally:
+        engine.kill()
+    if code:
+        raise EngineError(f"{folder.name}: {engine.last_output().strip().splitlines()[-1]}")

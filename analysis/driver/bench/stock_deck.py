@@ -10,39 +10,44 @@ import subprocess
 from pathlib import Path
 
 from analysis.driver.bench.bench_beds import Preloaded
+from analysis.driver.bench.meter import Speed
 from analysis.driver.engine import EngineError
 from analysis.driver.liggghts import HOST
 from analysis.files import ROOT, write_aside
 from analysis.formats.quantities import PLATES
 from analysis.scenarios import derived
 
-CODE = EXECUTABLE = "liggghts"
+EXECUTABLE = "liggghts"
 DECK, BED_DECK = "liggghts/stock.in", "liggghts/stock_bed.in"
-
-
 LAWS = {"linear": "hooke/stiffness", "hysteretic": "hertz"}
 ROWS = Path("raw") / "stock.csv"
 
 
-def command(scenario, folder: Path) -> list[str]:
-    """Command line of the stock deck, to be started in the repository's root: the first cycle."""
-    law = LAWS[scenario["contact.model"]]
-    return [EXECUTABLE, "-in", DECK, "-log", "none", "-var", "run", str(folder), "-var", "particle_law", law]
+class StockDeck:
+    """LIGGGHTS as Debian packs it, with its own contact models and walls of triangles: the first cycle."""
 
+    def prepare(self, case) -> None:
+        """Add to the case's folder what stock.in reads: the preloaded bed, at rest, and the boxes.
 
-def write_case(scenario, preloaded: Preloaded, folder: Path) -> None:
-    """Add to `folder`, which has parameters.in, what stock.in reads: the preloaded bed, at rest, and the boxes.
+        The case's scenario has the sleeper where preload left it. Raises EngineError where the bed cannot be placed.
+        """
+        (case.folder / "stl").mkdir(parents=True, exist_ok=True)
+        for name, block in moved_blocks(case.scenario, case.bed).items():
+            write_aside(case.folder / "stl" / f"{name}.stl", box_stl(name, block))
+        values = ["-var", "run", str(case.folder), "-var", "bed_file", str(case.bed.bed)]
+        host = [str(HOST), "-in", BED_DECK, "-log", "none", *values]
+        done = subprocess.run(host, cwd=ROOT, capture_output=True, text=True)
+        if done.returncode:
+            raise EngineError(f"{BED_DECK}: {(done.stdout + done.stderr).strip().splitlines()[-1]}")
 
-    `scenario` has the sleeper where preload left it. Raises EngineError where the bed cannot be placed.
-    """
-    (folder / "stl").mkdir(parents=True, exist_ok=True)
-    for name, block in moved_blocks(scenario, preloaded).items():
-        write_aside(folder / "stl" / f"{name}.stl", box_stl(name, block))
-    bed = preloaded.bed
-    host = [str(HOST), "-in", BED_DECK, "-log", "none", "-var", "run", str(folder), "-var", "bed_file", str(bed)]
-    done = subprocess.run(host, cwd=ROOT, capture_output=True, text=True)
-    if done.returncode:
-        raise EngineError(f"{BED_DECK}: {(done.stdout + done.stderr).strip().splitlines()[-1]}")
+    def argv(self, case) -> list[str]:
+        """Command line of the stock deck, to be started in the repository's root."""
+        law = LAWS[case.scenario["contact.model"]]
+        return [EXECUTABLE, "-in", DECK, "-log", "none", "-var", "run", str(case.folder), "-var", "particle_law", law]
+
+    def time(self, case) -> Speed:
+        """Time it once."""
+        return case.timed(self.argv(case), ROWS)
 
 
 def moved_blocks(scenario, preloaded: Preloaded) -> dict[str, derived.Block]:
