@@ -25,6 +25,7 @@ from analysis.comparison.findings.find import find
 from analysis.comparison.same_bed import same_bed_pairs, settlements
 from analysis.driver import calibrate
 from analysis.files import KEPT_RUNS, KEPT_VERIFICATION, ROOT, write_csv
+from analysis.formats.quantities import CODES
 from analysis.normalised import beds
 from analysis.normalised.readers import Run
 from analysis.report import build as report
@@ -439,6 +440,13 @@ def test_same_runs_give_the_same_files_without_a_word(tmp_path, capsys):
     assert capsys.readouterr().err == ""
     assert contents[0].keys() == contents[1].keys()
     assert [name for name, content in contents[0].items() if content != contents[1][name]] == []
+
+
+@pytest.mark.parametrize(("name", "pairs"), [("linear-mu0.8", ["code"]), ("linear-mu0.8+stock", [])])
+def test_two_codes_that_each_take_their_own_contact_law_differ_in_more_than_the_code(name, pairs, tmp_path):
+    for code in CODES:
+        write_run(tmp_path, "demo", name, code, cycles=3)
+    assert [pair.differs for pair in same_bed_pairs(report.load_runs(tmp_path))] == pairs
 
 
 def test_runs_from_one_bed_stand_side_by_side_by_code_time_step_and_ranks(tmp_path):

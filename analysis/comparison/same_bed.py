@@ -37,6 +37,13 @@ def ranks(run: Run) -> int:
     return max(run.info.get("ranks", 1), run.info.get("threads", 1))
 
 
+def _codes(one: Run, other: Run) -> list[str]:
+    """What two codes differ in: the code, and the contact law where each takes its own."""
+    if one.code == other.code:
+        return []
+    return ["code"] + ["contact.origin"] * (one.scenario["contact.origin"] == "engine")
+
+
 @dataclass(frozen=True)
 class Pair:
     """Two runs from the very same packed bed; `differs` is `code`, `time.step` or `ranks`."""
@@ -60,8 +67,8 @@ def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
         for m, other in enumerate(runs[n + 1 :], start=n + 1):
             if beds[n] is None or beds[n] != beds[m]:
                 continue
-            differs = changed_keys(one, other)
-            differs += ["code"] * (one.code != other.code) + ["ranks"] * (ranks(one) != ranks(other))
+            differs = changed_keys(one, other) + _codes(one, other)
+            differs += ["ranks"] * (ranks(one) != ranks(other))
             if len(differs) == 1 and differs[0] in ("code", "time.step", "ranks"):
                 found.append(Pair(differs[0], one, other))
     return found
