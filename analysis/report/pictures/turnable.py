@@ -53,7 +53,7 @@ def write_html(path: Path, scenes: Sequence[Scene], title: str) -> Path:
         plot += k3d.mesh(_over_time(corners), TRIANGLES, color=GLASS, opacity=0.3, side="double", name=name)
     for number, part in enumerate(plot.objects):
         part.id = number  # k3d takes an address in memory
-    plot.camera = [1.3, -1.1, 0.9, 0.4, 0.3, 0.25, 0, 0, 1]
+    plot.camera = [1.02, -0.66, 0.72, 0.42, 0.3, 0.2, 0, 0, 1]  # the bed fills a wide window
     text = plot.get_snapshot(9)
     text = re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC", title, text)
     write_aside(path, text)
