@@ -12,7 +12,7 @@ from analysis.reference.curves import References
 from analysis.report import style
 from analysis.report.figure import Curve
 from analysis.report.labels import PUBLICATION_NAMES, reference_name
-from analysis.report.style import PAPER, SOFT, Canvas
+from analysis.report.style import SOFT, Canvas, marker_face
 
 NEAR_END = 0.8
 """A mean that reaches this share of its longest bed's cycles carries the curve's name."""
@@ -98,7 +98,7 @@ def _look_of_mean(curve: Curve, x: np.ndarray, colour: str, several: bool) -> di
         "markevery": _marks(x),
         "markeredgewidth": 1.0,
         "linewidth": 2.0 if several else 1.5 if len(x) < 30 else 1.2,
-        "markerfacecolor": PAPER if curve.code == "yade" else colour,
+        "markerfacecolor": marker_face(curve.code, colour),
     }
 
 

@@ -42,6 +42,7 @@ PALETTE = {  # light page, dark page
 CODE_STYLES = {"liggghts": {"linestyle": "-", "marker": "o"}, "yade": {"linestyle": (0, (5, 2)), "marker": "s"}}
 CODE_NAMES = {"liggghts": "LIGGGHTS", "yade": "YADE"}
 CODE_SIGNS = {"liggghts": "●", "yade": "□"}
+HOLLOW_CODES = ("yade",)
 OTHER_STYLE = {"linestyle": (0, (1, 1.2)), "marker": "D"}
 
 PANEL_WIDTH, PANEL_HEIGHT = 4.1, 3.0
@@ -51,6 +52,11 @@ Pages set panels side by side where there is room.
 SMALL = 8.5
 STAMP_HEIGHT = 0.30
 LOOK = Path(__file__).with_name("report.mplstyle")
+
+
+def marker_face(code: str, colour: str) -> str:
+    """Inside of a code's marks: their colour, or the page's where they are hollow."""
+    return PAPER if code in HOLLOW_CODES else colour
 
 
 def _mix(colour: str, other: str, share: float) -> str:

@@ -7,7 +7,7 @@ import pandas as pd
 from analysis.driver.bench.bench_tables import exponent
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
-from analysis.report.style import CODE_NAMES
+from analysis.report.style import CODE_NAMES, CODE_STYLES, marker_face
 
 
 def sizes_figure(gallery: Gallery, sizes: pd.DataFrame) -> Figure | None:
@@ -18,7 +18,8 @@ def sizes_figure(gallery: Gallery, sizes: pd.DataFrame) -> Figure | None:
     c = style.canvas("benchmark-sizes", "Steps per second of processor time against the number of clumps", right=1.6)
     for (code, law), part in one.sort_values("clumps").groupby(["code", "law"], sort=False):
         hue = style.shade("linear" if law == "linear" else "nonlinear")
-        c.axes.plot(part["clumps"], part["steps_per_cpu_s"], "o-" if code == "liggghts" else "s--", color=hue)
+        look = CODE_STYLES[code] | {"color": hue, "markerfacecolor": marker_face(code, hue)}
+        c.axes.plot(part["clumps"], part["steps_per_cpu_s"], **look)
         power = exponent(list(zip(part["clumps"], part["steps_per_cpu_s"], strict=True)))
         label = f"{CODE_NAMES[code]}, {law}: power {power:.2f}"
         c.labels.append((part["clumps"].iloc[-1], part["steps_per_cpu_s"].iloc[-1], label, hue))

@@ -21,7 +21,7 @@ from analysis.report.curve_drawing import (
 )
 from analysis.report.figure import Curve, Figure, Gallery
 from analysis.report.labels import MM
-from analysis.report.style import PAPER, SOFT, Canvas
+from analysis.report.style import SOFT, Canvas, marker_face
 
 PROFILE_CYCLES = (1, 100, 1000)
 """Cycles after which the paper shows lateral displacement over depth."""
@@ -83,7 +83,7 @@ def _draw_profile(c: Canvas, curve: Curve, cycle: int) -> pd.DataFrame | None:
     depth, colour = MM * table.index.to_numpy(), curve.colour
     if (table["high"] > table["low"]).any():
         c.axes.fill_betweenx(depth, MM * table["low"], MM * table["high"], color=colour, alpha=0.18, linewidth=0)
-    face = PAPER if curve.code == "yade" else colour
+    face = marker_face(curve.code, colour)
     marks = {"markersize": 4.2, "markeredgewidth": 1.0, "markerfacecolor": face}
     c.axes.plot(MM * table["value"], depth, color=colour, **marks, **curve.look)
     c.labels.append((0.0, depth[-1], curve.tag, colour))

@@ -11,7 +11,7 @@ from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import MM
-from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, PAPER, Canvas
+from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, Canvas, marker_face
 
 DIFFERENCES = {  # name, hue, marker
     "code": ("the other code", "nonlinear", "s"),
@@ -48,7 +48,7 @@ def _settlement(gallery: Gallery, runs: Sequence[Run], name: str) -> Canvas:
             look, label = OTHER_STYLE | {"marker": "^"}, f"{label} {ranks(run)} ranks"
         rows = run.cycles[run.cycles["cycle"] <= SHARED_CYCLES[-1]]
         x, y = [0, *rows["cycle"]], [0.0, *(MM * rows["settlement_m"])]
-        c.axes.plot(x, y, color=colour, markersize=4.5, markerfacecolor=PAPER if run.code == "yade" else colour, **look)
+        c.axes.plot(x, y, color=colour, markersize=4.5, markerfacecolor=marker_face(run.code, colour), **look)
         c.labels.append((x[-1], y[-1], label, colour))
         frames.append(rows[["cycle", "settlement_m"]].assign(run=run.id))
     c.axes.invert_yaxis()

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from analysis.report import style
 from analysis.report.curve_drawing import css
 from analysis.report.figure import Gallery
-from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, PAPER, SOFT
+from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, SOFT, marker_face
 from analysis.report.tables.table_html import number
 from analysis.verification.case_sketch import Disc, Sketch
 from analysis.verification.cases.case import Case
@@ -211,7 +211,7 @@ def _errors(name: str, rows: pd.DataFrame) -> style.Canvas:
                     marker=look["marker"],
                     markersize=3.2,
                     markeredgewidth=0.8,
-                    markerfacecolor=PAPER if code == "yade" else colour,
+                    markerfacecolor=marker_face(code, colour),
                     markeredgecolor=colour,
                 )
     c.axes.set_xscale("log")
@@ -262,7 +262,7 @@ def _draw_found(canvas: style.Canvas, code: str, x: np.ndarray, y: np.ndarray, c
         marker=look["marker"] if few else "",
         markersize=4.2 if code == "liggghts" else 6,
         zorder=3 if code == "liggghts" else 2,
-        markerfacecolor=PAPER if code == "yade" else colour,
+        markerfacecolor=marker_face(code, colour),
         markeredgecolor=colour,
     )
     if len(x) <= MOST_HOVERED:
