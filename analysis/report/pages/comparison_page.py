@@ -36,6 +36,7 @@ def comparison(data: ReportData) -> dict:
         "same_bed": agreement_tables.same_bed_table(only(found.same_bed_verdicts, profile=profile)),
         "same_bed_parts": same_bed_parts(data, profile),
         "stock": stock_table(only(found.stock, profile=profile)),
+        "every_stock": stock_table(only(found.stock, profile=profile), all_rows=True),
         "beds": settling_tables.beds_table(beds[beds["run"].isin(plain)]),
         "rates": settling_tables.rates_table(rates[rates["scenario"].isin(KEY_SCENARIOS)]),
         "every_rate": settling_tables.rates_table(rates),

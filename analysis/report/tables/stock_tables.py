@@ -7,13 +7,15 @@ import pandas as pd
 from analysis.report.tables.table_html import Shown, Table, frame_table
 
 
-def stock_table(rows: pd.DataFrame) -> Table | None:
-    """Runs with each code's own contact models after their last compared cycle, and how far packed beds scatter in the
-    same quantity.
+def stock_table(rows: pd.DataFrame, all_rows: bool = False) -> Table | None:
+    """Runs with each code's own contact models, and how far packed beds scatter in the same quantity: the settlement
+    after the last compared cycle, or every quantity after all of them.
     """
-    last = rows.groupby(["scenario", "reading", "code"])["cycle"].transform("max") if len(rows) else rows["cycle"]
+    if not all_rows and len(rows):
+        last = rows.groupby(["scenario", "reading", "code"])["cycle"].transform("max")
+        rows = rows[(rows["cycle"] == last) & (rows["quantity"] == "settlement_m")]
     return frame_table(
-        rows[rows["cycle"] == last],
+        rows,
         "Each code's own contact model in place of the paper's law, from the same packed bed",
         [
             "scenario",
