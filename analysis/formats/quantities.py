@@ -409,10 +409,10 @@ _ROWS = (
         "resilient stroke",
         -10,
         10,
-        "settlement at maximum load minus that at the minimum load after it: what springs back",
+        "settlement at maximum load minus that at the minimum load after it: what springs back; empty where less "
+        "of the load reaches the bed, late (PFC's servo on a soft bed)",
         empty=True,
         compared=True,
-        formula=lambda run: run["settlement_peak_m"] - run["settlement_m"],
     ),
     Quantity(
         "peak_acceleration_m_s2",

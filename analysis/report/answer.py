@@ -234,7 +234,7 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
     values = values[values["scenario"].isin(key_scenarios)]
 
     def ranges(quantity: str) -> pd.DataFrame:
-        rows = values[values["quantity"] == quantity]
+        rows = values[values["quantity"] == quantity].dropna(subset=["low", "high"])
         return rows.groupby(["scenario", "reading"], sort=False).agg(low=("low", "min"), high=("high", "max"))
 
     overlaps = ranges("overlap_max_ratio").groupby("scenario", sort=False).agg(low=("low", "min"), high=("high", "max"))
@@ -245,6 +245,7 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
         "outcomes": list(outcomes(found, key_scenarios, profile).values()),
         "stiffness": dict(ranges("secant_stiffness_N_m").iterrows()),
         "overlaps": list(overlaps.iterrows()),
+        "filter": servo_filter(found.servo, key_scenarios[-1] if key_scenarios else "", profile),
         "published": ballast_stiffness(),
         "steps": step_shares(found.timestep, key_scenarios),
         "clumps": [int(clumps.min()), int(clumps.max())] if len(clumps) else [],

@@ -66,7 +66,7 @@ def _influence(data: ReportData, profile: str) -> Tile | None:
     largest = rows.iloc[-1]
     return Tile(
         f"{100 * largest['change_ratio']:+.0f} %".replace("-", "−"),
-        f"change of settlement by {variant_name(largest['variant'])}, the largest of what was varied",
+        f"change of settlement by {variant_name(largest['variant'])}, the largest of what the paper leaves open",
         "influence.html",
     )
 
@@ -78,7 +78,11 @@ def _cost(data: ReportData, profile: str) -> Tile | None:
         return None
     hours = rows.groupby("scenario")["hours_per_1000_cycles"].min()
     low, high = number(hours.min(), 2), number(hours.max(), 2)
-    return Tile(f"{low} to {high} h", "for 1000 cycles in LIGGGHTS on one core", "comparison.html#computing-time")
+    return Tile(
+        f"{low} to {high} h",
+        "for 1000 cycles in LIGGGHTS on one core, by the speed of the runs",
+        "comparison.html#computing-time",
+    )
 
 
 def _verification(data: ReportData) -> Tile | None:

@@ -246,9 +246,9 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     """Is the criterion met, that the codes differ by no more than half a time step or rounding alone changes?
 
     A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
-    over the judged cycles and as a share of the settlement, the state, and both after the last cycle that the codes
-    share. The band is that of all pairs of the bed that do not differ in the code and of the `replicates` of the time
-    step's study on its bed.
+    over the judged cycles and as a share of the settlement, the state (for which a band of LEAST_PAIRS pairs is
+    needed), and both after the last cycle that the codes share. The band is that of all pairs of the bed that do not
+    differ in the code and of the `replicates` of the time step's study on its bed.
     """
     more = replicates(pd.DataFrame() if timestep is None else timestep)
     more = more.assign(profile="full", reading=TRUE_LOAD, size=more["difference_ratio"].abs())
@@ -268,6 +268,10 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     return pd.DataFrame(rows, columns=columns)
 
 
+LEAST_PAIRS = 2
+"""Of runs that differ by half a time step or rounding; a single one does not say how far they scatter."""
+
+
 def _against_band(codes: pd.DataFrame, band: pd.DataFrame) -> dict:
     """Differences between the codes against those by time step or rounding; `size` is that of a difference."""
     last = codes["cycle"].max()
@@ -275,12 +279,13 @@ def _against_band(codes: pd.DataFrame, band: pd.DataFrame) -> dict:
     codes, band = (part[part["cycle"] <= same_bed.JUDGED_CYCLES] for part in (codes, band))
     largest = float(codes["size"].max())
     limit = float(band["size"].max()) if len(band) else math.nan
+    number = len(band[["bed", "one", "other"]].drop_duplicates())
     return {
         "cycles": int(codes["cycle"].max()),
         "codes_ratio": largest,
         "band_ratio": limit,
-        "band_pairs": len(band[["bed", "one", "other"]].drop_duplicates()),
-        "state": OPEN if math.isnan(limit) else AGREES if largest <= limit else DIFFERS,
+        "band_pairs": number,
+        "state": OPEN if number < LEAST_PAIRS else AGREES if largest <= limit else DIFFERS,
         "late_cycle": int(last),
         "codes_late_ratio": late[0],
         "band_late_ratio": late[1],

@@ -39,6 +39,9 @@ INFLUENCE = (
     "base_run",
 )
 
+LEAST_INFLUENCE = 2
+"""Standard deviations between packed beds from which on a change is called an influence."""
+
 
 def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFrame:
     """Each varied run against the plain run of its scenario, reading, code and seed (columns INFLUENCE).

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
+from analysis.comparison.findings.influence import LEAST_INFLUENCE
 from analysis.comparison.findings.members import SERVO
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
@@ -44,9 +45,9 @@ def influence_figure(gallery: Gallery, table: pd.DataFrame, quantity: str, what:
     return gallery.finish(
         f"influence-{quantity.removesuffix('_m').replace('_', '-')}",
         f"What changes {what}",
-        "One thing changed at a time, from the same packed bed where the change allows it. Grey band: one standard "
-        "deviation between packed beds of the "
-        "same recipe, pooled over scenarios; a bar inside it is no influence that these runs can show.",
+        "One thing changed at a time, from the same packed bed where the change allows it. Grey band: twice the "
+        "standard deviation between packed beds of one recipe, pooled over scenarios; a bar inside it is no influence "
+        f"that these runs can show. Bars end at {100 * LARGEST:.0f} %; the number says the rest.",
         drawn,
         [],
         layout="two",
@@ -67,13 +68,14 @@ def _panel(gallery: Gallery, part: pd.DataFrame, quantity: str, what: str) -> Ca
     )
     scatter = part["scatter_ratio"].dropna()
     if len(scatter):
-        c.axes.axvspan(-100 * scatter.iloc[0], 100 * scatter.iloc[0], color=SOFT, alpha=0.25, linewidth=0)
+        band = 100 * LEAST_INFLUENCE * scatter.iloc[0]
+        c.axes.axvspan(-band, band, color=SOFT, alpha=0.25, linewidth=0)
     hue = style.shade("servo") if reading == SERVO else gallery.look(scenario)[0]
     for n, change_ratio in enumerate(part["change_ratio"]):
         _draw_bar(c, n, change_ratio, hue)
     c.axes.set_yticks(range(len(part)), [variant_name(v) for v in part["variant"]])
     c.axes.axvline(0, color=SOFT, linewidth=0.8)
-    c.axes.set_xlim(*limits(part["change_ratio"], scatter.max() if len(scatter) else 0.0))
+    c.axes.set_xlim(*limits(part["change_ratio"], LEAST_INFLUENCE * scatter.max() if len(scatter) else 0.0))
     c.axes.xaxis.set_major_locator(MaxNLocator(4))
     c.axes.set_xlabel(f"change of {what}, %", x=0.0, ha="left")
     c.axes.set_title(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from analysis.comparison.findings.influence import LEAST_INFLUENCE
 from analysis.report.answer import influences
 from analysis.report.figures.influence_figures import influence_figure
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
@@ -20,7 +21,7 @@ def influence_page(data: ReportData) -> dict | None:
     settled = influences(data.findings, KEY_SCENARIOS, "full")
     return {
         "largest": settled.iloc[-1].to_dict() if len(settled) else {},
-        "inside": int((settled["scatters"] < 1).sum()),
+        "inside": int((settled["scatters"] < LEAST_INFLUENCE).sum()),
         "count": len(settled),
         "figures": [influence_figure(data.gallery, table, name, what) for name, what in QUANTITIES.items()],
         "table_": influence_table(table),

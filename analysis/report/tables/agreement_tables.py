@@ -69,7 +69,7 @@ WITHIN = {AGREES: Chip("yes, within", "good"), DIFFERS: Chip("no, beyond", "bad"
 
 def within_chip(row) -> Chip:
     """Whether the codes differ by no more than time step and rounding do."""
-    return WITHIN.get(row.state, Chip("no band yet", "calm"))
+    return WITHIN.get(row.state, Chip("too few pairs", "calm"))
 
 
 def same_bed_table(verdicts: pd.DataFrame) -> Table | None:

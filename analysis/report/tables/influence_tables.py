@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
+from analysis.comparison.findings.influence import LEAST_INFLUENCE
 from analysis.report.tables.table_html import Chip, Shown, Table, frame_table
-
-LEAST_INFLUENCE = 2
-"""Standard deviations between packed beds from which on a change is called an influence."""
 
 
 def influence_table(table: pd.DataFrame) -> Table | None:
