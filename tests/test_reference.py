@@ -175,6 +175,8 @@ def test_measured_shapes_are_as_transcribed_and_say_what_they_can_and_cannot_dec
     found = settlement_shapes()
     shapes = {s.id: s for s in found.shapes}
     assert len(shapes) == 4 and found.status == "transcribed"
+    for shape in shapes.values():
+        assert np.isfinite(shape.ratio(shape.cycles, reference_cycle=1000)).all(), "a test that ends before 1000 cycles"
     assert shapes["sun-30kPa-230kPa"].ratio([1, 10, 100, 1000]) == pytest.approx([0.084, 0.255, 0.428, 1])
     assert shapes["tennakoon-indraratna-10kPa"].ratio([1, 49, 979]) == pytest.approx([0.29, 0.557, 1])
     assert shapes["sun-10kPa-230kPa"].ratio(1000, reference_cycle=100) == pytest.approx(1 / 0.429)

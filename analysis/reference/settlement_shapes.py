@@ -24,11 +24,12 @@ class SettlementShape:
     ratios: tuple[float, ...]
 
     def ratio(self, cycles, reference_cycle: float | None = None) -> np.ndarray:
-        """Strain after `cycles` over that after `reference_cycle` (default: the last); nan outside the measured cycles.
+        """Strain after `cycles` over that after `reference_cycle`, at most the last measured one (default); nan outside
+        the measured cycles.
 
         Between the points on a line over the logarithm of the cycles.
         """
-        last = self.cycles[-1] if reference_cycle is None else reference_cycle
+        last = self.cycles[-1] if reference_cycle is None else min(reference_cycle, self.cycles[-1])
 
         def shape(n):
             return np.interp(np.log(np.asarray(n, dtype=float)), np.log(self.cycles), self.ratios, np.nan, np.nan)

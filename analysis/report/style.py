@@ -180,7 +180,7 @@ def end_labels(canvas: Canvas, size: float = SMALL) -> None:
     if not canvas.labels:
         return
     _make_room(canvas, size)
-    canvas.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in canvas.labels]
+    canvas.labels = [(x, y, text, text_colour(colour)) for x, y, text, colour in canvas.labels if x == x and y == y]
     if canvas.leaders:
         _label_ends(canvas, size)
     else:

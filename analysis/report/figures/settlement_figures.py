@@ -124,6 +124,7 @@ def measured_shape_figure(gallery: Gallery, runs: Sequence[Run], name: str, titl
     c.table = pd.concat(frames, ignore_index=True)
     caption = (
         f"Dotted: triaxial tests of ballast, named by confinement and deviator stress; {known.quantity}, "
-        f"{known.status}. Only shapes can be compared."
+        f"{known.status}, "
+        "over that after the last measured cycle where a test ended before. Only shapes can be compared."
     )
     return gallery.finish(name, title, caption, [c], [curve.main for curve in curves], curves)
