@@ -38,6 +38,11 @@ def readable(value, digits: int = 3, factor: float = 1.0) -> str:
     return text.replace("-", "−")
 
 
+def signed(value: float, form: str) -> str:
+    """A number in a format of Python's, with a minus sign instead of a hyphen."""
+    return f"{value:{form}}".replace("-", "−")
+
+
 def plural(count: int, noun: str) -> str:
     """`1 run`, `2 runs`."""
     return f"{count} {noun}{'' if count == 1 else 's'}"

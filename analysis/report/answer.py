@@ -12,6 +12,7 @@ from analysis.comparison.claims.evidence import HOLDS, PAPER
 from analysis.comparison.findings.agreement import AGREES, AGREES_WITHIN, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
+from analysis.comparison.run_quantities import value_after
 from analysis.formats.quantities import CODES
 from analysis.reference.ballast_stiffness import ballast_stiffness
 
@@ -98,10 +99,8 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
     spans = only(found.rates, run=longest.id)
     inner = longest.microstructure["crib_heave_m"].dropna()
     last = longest.cycles.iloc[-1]
-    stroke = last["settlement_peak_m"] - last["settlement_m"]
     elastic = only(found.elastic, cycle=cycle)
     elastic = elastic[elastic["run"].isin([m.run.id for m in runs])]["elastic_m"]
-    frequency = longest.scenario["loading.frequency"] if longest.scenario is not None else math.nan
     return Outcome(
         scenario,
         reading,
@@ -116,8 +115,8 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         spans["trend"].iloc[-1] if len(spans) else "",
         spans["settlement_rate_m"].iloc[-1] if len(spans) else math.nan,
         float(inner.iloc[-1]) if len(inner) else math.nan,
-        stroke,
-        stroke / 2 * (2 * math.pi * frequency) ** 2,
+        value_after(longest, "resilient_stroke_m", last["cycle"]),
+        value_after(longest, "peak_acceleration_m_s2", last["cycle"]),
         last["sleeper_stress_min_Pa"],
         last["sleeper_stress_max_Pa"],
         float(elastic.mean()) if len(elastic) else math.nan,

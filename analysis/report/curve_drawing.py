@@ -72,10 +72,7 @@ def draw(
         place = ends[0] if ends[0][0] >= NEAR_END * longest[0] else longest
         canvas.labels.append((*place, tag or curve.tag, colour))
     if hover:
-        values = [None if v != v else float(f"{v:.5g}") for v in y]
-        canvas.series.append(
-            {"label": name or curve.label, "colour": css(colour), "x": [float(v) for v in x], "y": values}
-        )
+        add_hover(canvas, name or curve.label, colour, x, y)
 
 
 def _draw_seeds(
@@ -100,6 +97,12 @@ def _look_of_mean(curve: Curve, x: np.ndarray, colour: str, several: bool) -> di
         "linewidth": 2.0 if several else 1.5 if len(x) < 30 else 1.2,
         "markerfacecolor": marker_face(curve.code, colour),
     }
+
+
+def add_hover(canvas: Canvas, label: str, colour: str, x: np.ndarray, y: np.ndarray, digits: int = 5) -> None:
+    """Values of a curve that a reader sees by hovering, as numbers of `digits` digits; nothing where y is nan."""
+    values = [None if v != v else float(f"{v:.{digits}g}") for v in y]
+    canvas.series.append({"label": label, "colour": css(colour), "x": [float(f"{v:.6g}") for v in x], "y": values})
 
 
 def css(colour: str) -> str:
@@ -182,14 +185,7 @@ def draw_references(
             canvas.axes.plot(at, value, **look)
             canvas.axes.fill_between(at, value - error, value + error, color=colour, alpha=0.15, linewidth=0)
             canvas.labels.append((at[-1], value[-1], name, colour))
-            canvas.series.append(
-                {
-                    "label": name,
-                    "colour": css(colour),
-                    "x": [float(f"{v:.6g}") for v in at],
-                    "y": [float(f"{v:.5g}") for v in value],
-                }
-            )
+            add_hover(canvas, name, colour, at, value)
 
 
 def pending_names(references: References, quantity: str, scenarios: Iterable[str] = ()) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
+from analysis.formats.numbers import signed
 from analysis.report.answer import influences, of_the_paper, only, servo_filter, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
@@ -65,7 +66,7 @@ def _influence(data: ReportData, profile: str) -> Tile | None:
         return None
     largest = rows.iloc[-1]
     return Tile(
-        f"{100 * largest['change_ratio']:+.0f} %".replace("-", "−"),
+        signed(100 * largest["change_ratio"], "+.0f") + " %",
         f"change of settlement by {variant_name(largest['variant'])}, the largest of what the paper leaves open",
         "influence.html",
     )

@@ -7,6 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from analysis.comparison.findings.influence import LEAST_INFLUENCE
 from analysis.comparison.findings.members import SERVO
+from analysis.formats.numbers import signed
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
 from analysis.report.labels import READING_NAMES, READING_SLUGS, short_name, variant_name
@@ -20,11 +21,6 @@ TITLE_START = -0.66
 
 ROOM = 0.36
 """Beside the longest bar, of all bars' width: for its number."""
-
-
-def signed(value: float, form: str) -> str:
-    """A number with a minus sign instead of a hyphen."""
-    return f"{value:{form}}".replace("-", "\N{MINUS SIGN}")
 
 
 def limits(changes: pd.Series, scatter: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from analysis.report import style
-from analysis.report.curve_drawing import css
+from analysis.report.curve_drawing import add_hover
 from analysis.report.figure import Gallery
 from analysis.report.style import CODE_NAMES, CODE_STYLES, INK, OTHER_STYLE, SOFT, marker_face
 from analysis.report.tables.table_html import number
@@ -266,10 +266,7 @@ def _draw_found(canvas: style.Canvas, code: str, x: np.ndarray, y: np.ndarray, c
         markeredgecolor=colour,
     )
     if len(x) <= MOST_HOVERED:
-        values = [None if v != v else float(f"{v:.6g}") for v in y]
-        canvas.series.append(
-            {"label": CODE_NAMES[code], "colour": css(colour), "x": [float(f"{v:.6g}") for v in x], "y": values}
-        )
+        add_hover(canvas, CODE_NAMES[code], colour, x, y, digits=6)
 
 
 def _colour(series: str) -> str:
