@@ -212,6 +212,7 @@ def test_every_threshold_is_used_by_the_code_that_judges_the_claim():
         ('id          = "late_slope"', 'id          = "early_slope"', "claim early_slope: no function of that name"),
         ("share = 0.2 }", "share = 0.2, extra = 1 }", "threshold extra is not worded"),
         ("cycles = 100, share = 0.2 }", "cycles = 100 }", "names 'share'; give it in thresholds"),
+        ("share = 0.2 }", 'share = "0.2" }', "threshold share = '0.2' is refused; give a number"),
         ("[stated]", "[said]", "it has [rules], [stated] and [[claim]]"),
         ('uncertainty = "stated"', 'doubt = "stated"', "each claim has number, id"),
     ],
@@ -237,6 +238,7 @@ COMPARES = """
 [[claim]]
 number      = 14
 id          = "nonlinear_settles_more"
+name        = "settles more"
 about       = "own"
 sentence    = "The nonlinear model settles more."
 where       = "nowhere"

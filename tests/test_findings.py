@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from synthetic import LATERAL_PROFILE, STROKE_M, write_run
 
 from analysis.comparison.findings import agreement
 from analysis.comparison.findings.find import find
+from analysis.comparison.findings.influence import size_of_change
 from analysis.comparison.findings.members import SERVO, TRUE_LOAD, choose, member
 from analysis.comparison.findings.timestep_spread import timestep_spread_table
 from analysis.driver.keep import keep
@@ -19,7 +21,7 @@ from analysis.normalised.readers import load_runs
 from analysis.reference.ballast_stiffness import ballast_stiffness
 from analysis.reference.curves import load_references
 from analysis.report import readme
-from analysis.report.answer import answer, engineer
+from analysis.report.answer import answer, engineer, extremes
 from analysis.report.labels import time_steps
 from analysis.report.report_data import KEY_SCENARIOS, PAPER_SCENARIOS
 from analysis.report.sentences import lines
@@ -322,6 +324,21 @@ def test_influence_is_measured_by_the_scatter_of_seeds(tmp_path):
     settled = row(table, quantity="settlement_m")
     assert settled["variant"] == "plates-fixed" and settled["cycle"] == 20
     assert settled["change_ratio"] == pytest.approx(0.5) and settled["scatters"] == pytest.approx(5.0)
+
+
+def test_a_thirtieth_is_a_larger_change_than_three_times():
+    changes = pd.Series([1.71, -0.97, 0.06])
+    assert changes.sort_values(key=size_of_change).tolist() == [0.06, 1.71, -0.97]
+
+
+def test_the_answer_names_the_changes_to_least_and_most_settlement_that_exceed_the_scatter():
+    columns = ["profile", "quantity", "reading", "scenario", "variant", "change_ratio", "scatters"]
+    changes = [("a", -0.9, 9), ("b", 2.0, 20), ("c", 5.0, 1), ("d", -0.1, 3)]
+    rows = [("full", "settlement_m", "true load", "linear-mu0.8", *change) for change in changes]
+    rows += [("full", "settlement_m", "true load", "nonlinear-en1.0", "a", 0.5, 9)]
+    found = SimpleNamespace(influence=pd.DataFrame(rows, columns=columns))
+    (ends,) = extremes(found, ("linear-mu0.8", "nonlinear-en1.0"), "full")
+    assert (ends["least"]["variant"], ends["most"]["variant"]) == ("a", "b")
 
 
 # ------------------------------------------------------------------ the README

@@ -11,6 +11,7 @@ import pandas as pd
 from analysis.comparison.claims.evidence import HOLDS, PAPER
 from analysis.comparison.findings.agreement import AGREES, AGREES_WITHIN, DIFFERS, OPEN
 from analysis.comparison.findings.find import Findings
+from analysis.comparison.findings.influence import LEAST_INFLUENCE, size_of_change
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.comparison.run_quantities import value_after
 from analysis.formats.quantities import CODES
@@ -141,15 +142,15 @@ def states(agreement: pd.DataFrame) -> dict[str, int]:
 
 def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Number of claims about the paper's models with each verdict, by code and reading: code, reading, verdict, claims,
-    numbers.
+    names.
     """
     verdicts = of_the_paper(verdicts)
     if verdicts.empty:
-        return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "numbers"])
+        return pd.DataFrame(columns=["code", "reading", "verdict", "claims", "names"])
     table = verdicts if "reading" in verdicts else verdicts.assign(reading=READINGS[0])
-    each = table.drop_duplicates(["number", "code", "reading"])
-    grouped = each.groupby(["code", "reading", "verdict"], sort=True)["number"]
-    counted = grouped.agg(claims="count", numbers=lambda n: ", ".join(str(v) for v in sorted(n)))
+    each = table.drop_duplicates(["number", "code", "reading"]).sort_values("number", kind="stable")
+    grouped = each.groupby(["code", "reading", "verdict"], sort=True)["name"]
+    counted = grouped.agg(claims="count", names="; ".join)
     rank = {reading: n for n, reading in enumerate(READINGS)}
     counted = counted.reset_index().sort_values("verdict", key=lambda verdicts: verdicts != HOLDS, kind="stable")
     return counted.sort_values("reading", key=lambda column: column.map(rank), kind="stable")
@@ -173,7 +174,18 @@ def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> dict[st
 def influences(found: Findings, scenarios: tuple[str, ...], profile: str) -> pd.DataFrame:
     """Change of the settlement of `scenarios` by one thing changed at a time: rows of the finding, smallest first."""
     rows = only(found.influence, profile=profile, quantity="settlement_m").dropna(subset=["change_ratio"])
-    return rows[rows["scenario"].isin(scenarios)].sort_values("change_ratio", key=abs)
+    return rows[rows["scenario"].isin(scenarios)].sort_values("change_ratio", key=size_of_change)
+
+
+def extremes(findings: Findings, scenarios: tuple[str, ...], profile: str) -> list[dict]:
+    """Of each of `scenarios` under the true load the changes to the least and the largest settlement, as the rows of
+    the finding: `least` and `most`. Only scenarios with a change of influence in both directions.
+    """
+    rows = only(influences(findings, scenarios, profile), reading=TRUE_LOAD)
+    rows = rows[rows["scatters"] >= LEAST_INFLUENCE].sort_values("change_ratio")
+    found = [only(rows, scenario=name).to_dict("records") for name in scenarios]
+    ends = [{"least": changes[0], "most": changes[-1]} for changes in found if changes]
+    return [one for one in ends if one["least"]["change_ratio"] < 0 < one["most"]["change_ratio"]]
 
 
 def servo_filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
@@ -215,6 +227,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "bonded": _bonded(found, profile),
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
+        "extremes": extremes(found, (linear, nonlinear), profile),
         "claims": claim_counts(judged).to_dict("records"),
         "claim_count": of_the_paper(judged)["number"].nunique(),
         "agrees_within": AGREES_WITHIN,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
-from analysis.formats.numbers import signed
 from analysis.report.answer import influences, of_the_paper, only, servo_filter, states
 from analysis.report.labels import variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
@@ -65,9 +64,11 @@ def _influence(data: ReportData, profile: str) -> Tile | None:
     if rows.empty:
         return None
     largest = rows.iloc[-1]
+    low, high = sorted([largest["base"], largest["changed"]])
     return Tile(
-        signed(100 * largest["change_ratio"], "+.0f") + " %",
-        f"change of settlement by {variant_name(largest['variant'])}, the largest of what the paper leaves open",
+        f"{number(high / low, 2)} times",
+        f"{'less' if largest['changed'] == low else 'more'} settlement by {variant_name(largest['variant'])}, the "
+        "largest effect of what the paper leaves open",
         "influence.html",
     )
 

@@ -50,6 +50,7 @@ ANOTHER_SEED = "a second seed of any scenario with the same contact law, for the
 class Claim:
     """One claim; `criterion` and `quantity` with the thresholds filled in.
 
+    name       what it claims in a few words, for lists
     about      whose: the paper's of its own models; chen2015, the paper's of Chen et al.'s, judged from our own run of
                that model; own, this project's
     compares   of a claim that compares a quantity of two scenarios, what a function of its own would say otherwise:
@@ -58,6 +59,7 @@ class Claim:
 
     number: int
     id: str
+    name: str
     sentence: str
     where: str
     compared: str

@@ -51,7 +51,9 @@ def _claim(file: str, entry: dict) -> Claim:
             f"{where}: no function of that name in analysis/comparison/claims/checks.py; write one, give compares, or "
             "correct the id"
         )
-    for name in claim.thresholds:
+    for name, value in claim.thresholds.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ClaimError(f"{where}: threshold {name} = {value!r} is refused; give a number")
         if f"{{{name}" not in claim.criterion + claim.quantity:
             raise ClaimError(
                 f"{where}: threshold {name} is not worded in criterion or quantity; write {{{name}:g}} into one"
@@ -105,6 +107,7 @@ def to_frame(verdicts: Iterable[Verdict]) -> pd.DataFrame:
             {
                 "number": v.claim.number,
                 "about": v.claim.about,
+                "name": v.claim.name,
                 "claim": v.claim.sentence,
                 "code": v.code,
                 "reading": v.reading,

@@ -107,6 +107,7 @@ TOLD = {
     "have": Told("how many are there"),
     "want": Told("how many are wanted"),
     "about": Told("whose models the claim is about: paper; chen2015, judged from our own run of that model"),
+    "name": Told("the claim in a few words", "claim"),
     "claim": Told("the claim in words"),
     "verdict": Told("of the claim in a code and reading"),
     "because": Told("why the verdict is what it is"),

@@ -8,6 +8,7 @@ import functools
 import math
 from collections.abc import Iterable, Iterator
 
+import numpy as np
 import pandas as pd
 
 from analysis.comparison.findings.members import Member
@@ -64,8 +65,12 @@ def influence_table(found: Iterable[Member], scatter: pd.DataFrame) -> pd.DataFr
             of = {"variant": "+".join(m.others), "run": m.run.id, "base_run": base.run.id}
             rows.append(change | of | {"unit": QUANTITIES[change["quantity"]].unit, "scatters": scatters})
     table = pd.DataFrame(rows, columns=INFLUENCE)
-    size = table["change_ratio"].abs()
-    return table.assign(size=size).sort_values("size", ascending=False, kind="stable").drop(columns="size")
+    return table.sort_values("change_ratio", key=size_of_change, ascending=False, kind="stable")
+
+
+def size_of_change(change_ratio: pd.Series) -> pd.Series:
+    """By how large a factor something changed, as its logarithm: a third is as large a change as three times."""
+    return np.log1p(change_ratio).abs()
 
 
 def one_thing_changed(base: Member, varied: Member) -> bool:

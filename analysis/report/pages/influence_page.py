@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
+import pandas as pd
+
 from analysis.comparison.findings.influence import LEAST_INFLUENCE
-from analysis.report.answer import influences
+from analysis.comparison.findings.members import TRUE_LOAD
+from analysis.report.answer import influences, only
 from analysis.report.figures.influence_figures import influence_figure
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables.influence_tables import influence_table
+from analysis.scenarios.scenario import ScenarioError, load_scenario, variant_names
 
 QUANTITIES = {"settlement_m": "settlement", "lateral_mean_m": "lateral displacement"}
 
@@ -23,6 +29,41 @@ def influence_page(data: ReportData) -> dict | None:
         "largest": settled.iloc[-1].to_dict() if len(settled) else {},
         "inside": int((settled["scatters"] < LEAST_INFLUENCE).sum()),
         "count": len(settled),
+        "beds": beds_of(data.findings.coverage, table),
+        "restless": restless_beds(data.findings.calibration),
         "figures": [influence_figure(data.gallery, table, name, what) for name, what in QUANTITIES.items()],
         "table_": influence_table(table),
     }
+
+
+def beds_of(coverage: pd.DataFrame, table: pd.DataFrame) -> list[dict]:
+    """Number of clumps of the unchanged bed and of each variant that packs another number (variant, clumps), fewest
+    first; [] where none does.
+    """
+    of_key = only(coverage, profile="full", reading=TRUE_LOAD)
+    of_key = of_key[of_key["scenario"].isin(KEY_SCENARIOS) & of_key["run"].isin([*table["run"], *table["base_run"]])]
+    beds = of_key.sort_values(["clumps", "variant"]).drop_duplicates("clumps")
+    return beds[["variant", "clumps"]].astype({"clumps": int}).to_dict("records") if len(beds) > 1 else []
+
+
+def restless_beds(calibration: pd.DataFrame) -> list[dict]:
+    """Changed beds of the key scenarios that did not come to rest in preload, so that they have no cycle to compare
+    (scenario, variant), see `make calibrate`.
+    """
+    failed = calibration[(calibration["state"] == "failed") & (calibration["cycles"] == 0)]
+    tried = set(zip(failed["scenario"], failed["aspect"], failed["lattice_gap_m"], strict=True))
+    return [
+        {"scenario": name, "variant": variant}
+        for name in KEY_SCENARIOS
+        for variant in variant_names()
+        if (name, *recipe_of(name, variant)) in tried - {(name, *recipe_of(name))}
+    ]
+
+
+def recipe_of(*names: str) -> tuple[float, float]:
+    """Aspect of the clumps and gap of the lattice, m, of a scenario and its variant; nan where they do not fit."""
+    try:
+        scenario = load_scenario("+".join(names), "full")
+    except ScenarioError:
+        return math.nan, math.nan
+    return scenario["clump.aspect"], scenario["packing.lattice_gap"]

@@ -76,7 +76,8 @@ def plate_table(laws: pd.DataFrame) -> Table | None:
         return None
     return frame_table(
         laws,
-        f"Laws of the plates, after {plural(int(laws['cycle'].iloc[0]), 'cycle')}; the paper prescribes "
+        f"Laws of the plates, {short_name(laws['scenario'].iloc[0])}, after "
+        f"{plural(int(laws['cycle'].iloc[0]), 'cycle')}; the paper prescribes "
         f"{number(paper().plate_stress_Pa, 3, KPA)} kPa",
         [
             Shown("run", "run", text=run_of, number=False),
