@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator
 
 from analysis.comparison.findings.influence import LEAST_INFLUENCE, size_of_change
 from analysis.comparison.findings.members import SERVO
@@ -18,11 +18,16 @@ from analysis.report.style import SOFT, Canvas
 TITLE_START = -0.66
 """Of the axes' width: where their title starts, above the names of the bars."""
 
-ROOM = 0.36
+ROOM = 0.42
 """Beside the longest bar, of all bars' width: for its number."""
 
-TICKS = {40.0: (1, 3), 6.0: (1, 2, 5)}
+TICKS = {400.0: (1,), 40.0: (1, 3), 6.0: (1, 2, 5)}
 """Of each decade, for axes whose ends are at least this far apart, the widest first."""
+
+STEPS = (0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0)
+"""Between the ticks of nearer ends: the first that gives at most MOST_TICKS; each has a tick at 1."""
+
+MOST_TICKS = 5
 
 LEAST_SHARE = 0.2
 """The grey band is drawn down to this share of the unchanged value, where it would reach zero or below."""
@@ -100,7 +105,8 @@ def _set_ticks(axis: Axis) -> None:
     """Few ticks of a logarithmic axis as plain numbers, over decades as well as over a few percent."""
     low, high = axis.get_view_interval()
     places = next((subs for width, subs in TICKS.items() if high / low >= width), None)
-    axis.set_major_locator(LogLocator(subs=places) if places else MaxNLocator(4))
+    step = next(step for step in STEPS if high - low <= MOST_TICKS * step or step == STEPS[-1])
+    axis.set_major_locator(LogLocator(subs=places) if places else MultipleLocator(step))
     axis.set_major_formatter(FuncFormatter(lambda ratio, _: readable(ratio)))
     axis.set_minor_locator(NullLocator())
 

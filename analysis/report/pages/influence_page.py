@@ -30,7 +30,7 @@ def influence_page(data: ReportData) -> dict | None:
         "inside": int((settled["scatters"] < LEAST_INFLUENCE).sum()),
         "count": len(settled),
         "beds": beds_of(data.findings.coverage, table),
-        "restless": restless_beds(data.findings.calibration),
+        "restless": restless_beds(data.findings.calibration, table),
         "figures": [influence_figure(data.gallery, table, name, what) for name, what in QUANTITIES.items()],
         "table_": influence_table(table),
     }
@@ -46,17 +46,18 @@ def beds_of(coverage: pd.DataFrame, table: pd.DataFrame) -> list[dict]:
     return beds[["variant", "clumps"]].astype({"clumps": int}).to_dict("records") if len(beds) > 1 else []
 
 
-def restless_beds(calibration: pd.DataFrame) -> list[dict]:
-    """Changed beds of the key scenarios that did not come to rest in preload, so that they have no cycle to compare
+def restless_beds(calibration: pd.DataFrame, table: pd.DataFrame) -> list[dict]:
+    """Changed beds of the key scenarios that have no run in `table` because they did not come to rest in preload
     (scenario, variant), see `make calibrate`.
     """
     failed = calibration[(calibration["state"] == "failed") & (calibration["cycles"] == 0)]
     tried = set(zip(failed["scenario"], failed["aspect"], failed["lattice_gap_m"], strict=True))
+    compared = set(zip(table["scenario"], table["variant"], strict=True))
     return [
         {"scenario": name, "variant": variant}
         for name in KEY_SCENARIOS
         for variant in variant_names()
-        if (name, *recipe_of(name, variant)) in tried - {(name, *recipe_of(name))}
+        if (name, variant) not in compared and (name, *recipe_of(name, variant)) in tried - {(name, *recipe_of(name))}
     ]
 
 
