@@ -185,27 +185,36 @@ def servo_run(results, contacts, gain=0.8, variant="servo", cycles=6, scenario="
     return target / "liggghts"
 
 
-def test_the_band_of_one_bed_takes_in_the_replicates_of_the_time_step_study():
+def test_the_band_takes_in_the_replicates_of_the_time_step_study():
     steps = [("paper", 2e-6, 1, "a", 1.00), ("half", 1e-6, 1, "a", 0.98), ("rounding", 2e-6, 2, "a", 1.05)]
     steps += [("0.8", 3e-6, 1, "a", 2.0), ("seed 2", 1e-6, 1, "b", 3.0)]  # another step, another bed: no replicates
+    steps += [("step", 2e-6, 1, "d", 1.00), ("its half", 1e-6, 1, "d", 1.01)]
     names = ["case", "time_step_s", "ranks", "bed", "settlement_m"]
     timestep = pd.DataFrame(steps, columns=names).assign(scenario="linear-mu0.8", cycle=5)
     late = timestep.assign(cycle=20, settlement_m=timestep["settlement_m"] * timestep["ranks"])
     timestep = pd.concat([timestep, late], ignore_index=True)
     pairs = agreement.replicates(timestep).query("cycle == 5")
-    assert sorted(zip(pairs["one"], pairs["other"], strict=True)) == [("paper", "half"), ("paper", "rounding")]
+    assert sorted(zip(pairs["one"], pairs["other"], strict=True)) == [
+        ("paper", "half"),
+        ("paper", "rounding"),
+        ("step", "its half"),
+    ]
     assert pairs.set_index("other").at["rounding", "difference_ratio"] == pytest.approx(0.05 / 1.025)
     codes = {"profile": "full", "scenario": "linear-mu0.8", "reading": "true load", "bed": "c", "differs": "code"}
     rows = [{"one": "y", "other": "l", "cycle": n, "difference_ratio": ratio} for n, ratio in ((5, 0.04), (20, 0.08))]
     found = pd.DataFrame([codes | row for row in rows])
     alone, together = (agreement.same_bed_verdicts(found, *more).iloc[0] for more in ((), (timestep,)))
     assert alone["state"] == agreement.OPEN and alone["band_pairs"] == 0
-    assert together["state"] == agreement.AGREES and together["band_pairs"] == 2 and together["cycles"] == 5
+    assert together["state"] == agreement.AGREES and together["band_pairs"] == 3 and together["cycles"] == 5
     assert together["codes_ratio"] == 0.04 and together["band_ratio"] == pytest.approx(0.05 / 1.025)
     assert together["late_cycle"] == 20 and together["codes_late_ratio"] == 0.08
     assert together["band_late_ratio"] == pytest.approx(2 * 1.1 / 3.1), "later cycles are shown, not judged"
     servo = agreement.same_bed_verdicts(found.assign(reading="servo"), timestep).iloc[0]
     assert servo["band_pairs"] == 0, "the study of the time step is made under the true load"
+    half = found.assign(bed="e", differs="time.step", difference_ratio=0.5)
+    lent = agreement.same_bed_verdicts(pd.concat([found, half]), timestep)
+    assert lent["bed"].tolist() == ["c"] and lent["band_pairs"].tolist() == [4], "pairs of another bed count too"
+    assert lent["band_ratio"].tolist() == [0.5]
 
 
 def test_the_spread_by_the_time_step_stands_beside_those_by_beds_and_by_rounding():

@@ -247,29 +247,27 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
 
     A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
     over the judged cycles and as a share of the settlement, the state (for which a band of LEAST_PAIRS pairs is
-    needed), and both after the last cycle that the codes share. The band is that of all pairs of the bed that do not
-    differ in the code and of the `replicates` of the time step's study on its bed.
+    needed), and both after the last cycle that the codes share. The band is that of all pairs of one code in that
+    scenario and reading, from whatever bed, and of the `replicates` of the time step's study.
     """
     more = replicates(pd.DataFrame() if timestep is None else timestep)
-    more = more.assign(profile="full", reading=TRUE_LOAD, size=more["difference_ratio"].abs())
+    more = more.assign(profile="full", reading=TRUE_LOAD)
+    alone = pairs[pairs["differs"] != "code"]
+    alone = pd.concat([part for part in (alone, more) if len(part)] or [alone], ignore_index=True)
+    alone = alone.assign(size=alone["difference_ratio"].abs())
+    codes = pairs[pairs["differs"] == "code"].assign(size=lambda found: found["difference_ratio"].abs())
     rows = []
-    for (profile, scenario, reading, bed), part in pairs.groupby(["profile", "scenario", "reading", "bed"], sort=False):
-        size = part.assign(size=part["difference_ratio"].abs())
-        codes, band = size[size["differs"] == "code"], size[size["differs"] != "code"]
-        if codes.empty:
-            continue
-        alike = (more["profile"] == profile) & (more["scenario"] == scenario) & (more["reading"] == reading)
-        if alike.any():
-            band = pd.concat([band, more[alike]], ignore_index=True) if len(band) else more[alike]
-        where = {"profile": profile, "scenario": scenario, "reading": reading, "bed": bed}
-        rows.append(where | _against_band(codes, band))
+    for where, part in codes.groupby(["profile", "scenario", "reading", "bed"], sort=False):
+        place = dict(zip(["profile", "scenario", "reading", "bed"], where, strict=True))
+        band = alone[(alone[["profile", "scenario", "reading"]] == list(where[:3])).all(axis=1)]
+        rows.append(place | _against_band(part, band))
     columns = ["profile", "scenario", "reading", "bed", "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
     columns += ["late_cycle", "codes_late_ratio", "band_late_ratio"]
     return pd.DataFrame(rows, columns=columns)
 
 
-LEAST_PAIRS = 2
-"""Of runs that differ by half a time step or rounding; a single one does not say how far they scatter."""
+LEAST_PAIRS = 3
+"""Of runs that differ by half a time step or rounding; one or two do not say how far they scatter."""
 
 
 def _against_band(codes: pd.DataFrame, band: pd.DataFrame) -> dict:
