@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from analysis.comparison.findings.agreement import AGREES
 from analysis.report.answer import influences, of_the_paper, only, servo_filter, states
-from analysis.report.labels import variant_name
+from analysis.report.labels import short_name, variant_name
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables.table_html import number
 
@@ -67,8 +67,8 @@ def _influence(data: ReportData, profile: str) -> Tile | None:
     low, high = sorted([largest["base"], largest["changed"]])
     return Tile(
         f"{number(high / low, 2)} times",
-        f"{'less' if largest['changed'] == low else 'more'} settlement by {variant_name(largest['variant'])}, the "
-        "largest effect of what the paper leaves open",
+        f"{'less' if largest['changed'] == low else 'more'} settlement by {variant_name(largest['variant'])} in "
+        f"{short_name(largest['scenario'])}, the largest effect of what the paper leaves open",
         "influence.html",
     )
 
