@@ -250,8 +250,9 @@ def engineer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> d
         return rows.groupby(["scenario", "reading"], sort=False).agg(low=("low", "min"), high=("high", "max"))
 
     overlaps = ranges("overlap_max_ratio").groupby("scenario", sort=False).agg(low=("low", "min"), high=("high", "max"))
-    clumps = only(found.coverage, profile=profile)
-    clumps = clumps.loc[clumps["scenario"].isin(key_scenarios), "clumps"]
+    beds = only(found.coverage, profile=profile)
+    beds = beds[beds["scenario"].isin(key_scenarios) & beds["variant"].isin(["", SERVO])]
+    clumps = beds["clumps"]
     return {
         "code": "liggghts",
         "outcomes": list(outcomes(found, key_scenarios, profile).values()),

@@ -90,7 +90,7 @@ def _panel(gallery: Gallery, part: pd.DataFrame, quantity: str, what: str) -> Ca
     c.axes.set_xscale("log")
     c.axes.set_xlim(*limits(ratios, scatter))
     _set_ticks(c.axes.xaxis)
-    c.axes.set_xlabel(f"{what}, changed over unchanged", x=0.0, ha="left")
+    c.axes.set_xlabel("changed over unchanged", x=0.0, ha="left")
     c.axes.set_title(
         f"{short_name(scenario)}, {READING_NAMES[reading]}\nunchanged: {signed(1e3 * base, '.3g')} mm after "
         f"{part['cycle'].max()} cycles",

@@ -51,9 +51,9 @@ def sketch_figure(gallery: Gallery, scenario: Scenario) -> Figure:
     return gallery.finish(
         "test",
         "The test",
-        f"Side view; the box is {MM * box.width_m:g} mm wide, "
+        f"View along the track. Into the page the box is {MM * box.width_m:g} mm, with "
         f"{MM * (box.width_m - scenario['geometry.sleeper_width']) / 2:g} mm "
-        f"of ballast (the cribs) on either side of the sleeper. {low:.3g} to {high:.3g} kN are "
+        f"of ballast (the cribs) before and behind the sleeper, not drawn. {low:.3g} to {high:.3g} kN are "
         f"{KPA * scenario['loading.stress_min']:g} to {KPA * scenario['loading.stress_max']:g} kPa under the sleeper.",
         [c],
         [],
@@ -197,7 +197,8 @@ def full_settlement_figure(gallery: Gallery, members: Sequence[Member], scenario
         "settlement-full",
         "Settlement of the sleeper on the full bed",
         "At minimum load, zero at the end of preload; cycles on a logarithmic axis, each model on a scale of its own. "
-        "Thin lines are single packed beds, the thick line is their mean as far as all of them reach.",
+        "Each code packs its own beds. Thin lines are single packed beds, the thick line is their mean as far as all "
+        "of them reach.",
     )
 
 
