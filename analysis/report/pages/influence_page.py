@@ -50,6 +50,8 @@ def restless_beds(calibration: pd.DataFrame, table: pd.DataFrame) -> list[dict]:
     """Changed beds of the key scenarios that have no run in `table` because they did not come to rest in preload
     (scenario, variant), see `make calibrate`.
     """
+    if calibration.empty:
+        return []
     failed = calibration[(calibration["state"] == "failed") & (calibration["cycles"] == 0)]
     tried = set(zip(failed["scenario"], failed["aspect"], failed["lattice_gap_m"], strict=True))
     compared = set(zip(table["scenario"], table["variant"], strict=True))
