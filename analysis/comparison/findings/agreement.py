@@ -251,17 +251,15 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     scenario and reading, from whatever bed, and of the `replicates` of the time step's study.
     """
     more = replicates(pd.DataFrame() if timestep is None else timestep)
-    more = more.assign(profile="full", reading=TRUE_LOAD)
-    alone = pairs[pairs["differs"] != "code"]
-    alone = pd.concat([part for part in (alone, more) if len(part)] or [alone], ignore_index=True)
-    alone = alone.assign(size=alone["difference_ratio"].abs())
-    codes = pairs[pairs["differs"] == "code"].assign(size=lambda found: found["difference_ratio"].abs())
+    codes, alone = pairs[pairs["differs"] == "code"], pairs[pairs["differs"] != "code"]
+    alone = pd.concat([alone, more.assign(profile="full", reading=TRUE_LOAD)], ignore_index=True)
+    codes, alone = (part.assign(size=part["difference_ratio"].abs()) for part in (codes, alone))
+    bed = ["profile", "scenario", "reading", "bed"]
     rows = []
-    for where, part in codes.groupby(["profile", "scenario", "reading", "bed"], sort=False):
-        place = dict(zip(["profile", "scenario", "reading", "bed"], where, strict=True))
-        band = alone[(alone[["profile", "scenario", "reading"]] == list(where[:3])).all(axis=1)]
-        rows.append(place | _against_band(part, band))
-    columns = ["profile", "scenario", "reading", "bed", "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
+    for where, part in codes.groupby(bed, sort=False):
+        band = alone[(alone[bed[:3]] == list(where[:3])).all(axis=1)]
+        rows.append(dict(zip(bed, where, strict=True)) | _against_band(part, band))
+    columns = [*bed, "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
     columns += ["late_cycle", "codes_late_ratio", "band_late_ratio"]
     return pd.DataFrame(rows, columns=columns)
 

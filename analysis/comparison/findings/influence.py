@@ -87,7 +87,9 @@ def one_thing_changed(base: Member, varied: Member) -> bool:
 
 
 def of_the_step(base: Member, varied: Member) -> bool:
-    """True for a variant of the time step alone: it is set beside rounding, not beside what the paper leaves out."""
+    """True for a variant of the time step alone, whichever run its bed is named after: it is set beside rounding, not
+    beside what the paper leaves out.
+    """
     changed = _changed(base.run.scenario_name, varied.run.scenario_name, base.run.profile) - {"packing.bed_from"}
     return all(key.startswith("time.") for key in changed)
 

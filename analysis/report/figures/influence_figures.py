@@ -105,7 +105,7 @@ def _set_ticks(axis: Axis) -> None:
     """Few ticks of a logarithmic axis as plain numbers, over decades as well as over a few percent."""
     low, high = axis.get_view_interval()
     places = next((subs for width, subs in TICKS.items() if high / low >= width), None)
-    step = next(step for step in STEPS if high - low <= MOST_TICKS * step or step == STEPS[-1])
+    step = next((step for step in STEPS if high - low <= MOST_TICKS * step), STEPS[-1])
     axis.set_major_locator(LogLocator(subs=places) if places else MultipleLocator(step))
     axis.set_major_formatter(FuncFormatter(lambda ratio, _: readable(ratio)))
     axis.set_minor_locator(NullLocator())

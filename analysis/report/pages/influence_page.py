@@ -12,7 +12,7 @@ from analysis.report.answer import influences, only
 from analysis.report.figures.influence_figures import influence_figure
 from analysis.report.report_data import KEY_SCENARIOS, ReportData
 from analysis.report.tables.influence_tables import influence_table
-from analysis.scenarios.scenario import ScenarioError, load_scenario, variant_names
+from analysis.scenarios.scenario import ScenarioError, join_id, load_scenario, variant_names
 
 QUANTITIES = {"settlement_m": "settlement", "lateral_mean_m": "lateral displacement"}
 
@@ -54,19 +54,20 @@ def restless_beds(calibration: pd.DataFrame, table: pd.DataFrame) -> list[dict]:
         return []
     failed = calibration[(calibration["state"] == "failed") & (calibration["cycles"] == 0)]
     tried = set(zip(failed["scenario"], failed["aspect"], failed["lattice_gap_m"], strict=True))
+    tried -= {(name, *recipe_of(name)) for name in KEY_SCENARIOS}
     compared = set(zip(table["scenario"], table["variant"], strict=True))
     return [
         {"scenario": name, "variant": variant}
         for name in KEY_SCENARIOS
         for variant in variant_names()
-        if (name, variant) not in compared and (name, *recipe_of(name, variant)) in tried - {(name, *recipe_of(name))}
+        if (name, variant) not in compared and (name, *recipe_of(name, variant)) in tried
     ]
 
 
-def recipe_of(*names: str) -> tuple[float, float]:
-    """Aspect of the clumps and gap of the lattice, m, of a scenario and its variant; nan where they do not fit."""
+def recipe_of(name: str, *variants: str) -> tuple[float, float]:
+    """Aspect of the clumps and gap of the lattice, m, of a scenario with these variants; nan where they do not fit."""
     try:
-        scenario = load_scenario("+".join(names), "full")
+        scenario = load_scenario(join_id(name, variants), "full")
     except ScenarioError:
         return math.nan, math.nan
     return scenario["clump.aspect"], scenario["packing.lattice_gap"]
