@@ -442,7 +442,15 @@ def test_same_runs_give_the_same_files_without_a_word(tmp_path, capsys):
     assert [name for name, content in contents[0].items() if content != contents[1][name]] == []
 
 
-@pytest.mark.parametrize(("name", "pairs"), [("linear-mu0.8", ["code"]), ("linear-mu0.8+stock", [])])
+@pytest.mark.parametrize(
+    ("name", "pairs"),
+    [
+        ("linear-mu0.8", ["code"]),
+        ("linear-mu0.8+stock", []),
+        ("nonlinear-en1.0", ["code"]),
+        ("nonlinear-md1-en0.6", ["code and dashpot"]),
+    ],
+)
 def test_two_codes_that_each_take_their_own_contact_law_differ_in_more_than_the_code(name, pairs, tmp_path):
     for code in CODES:
         write_run(tmp_path, "demo", name, code, cycles=3)

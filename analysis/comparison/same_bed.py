@@ -9,7 +9,11 @@ import numpy as np
 import pandas as pd
 
 from analysis.normalised.readers import Run
+from analysis.scenarios.deviations import restitution_equivalent
 from analysis.scenarios.schema import KEYS
+
+CODE, CODE_AND_DASHPOT = "code", "code and dashpot"
+"""How the two codes of a pair differ: in the code alone, or also in the dashpot, where YADE has not the paper's."""
 
 JUDGED_CYCLES = 5
 """Later ones are shown and not judged: rounding alone drives two runs of one bed apart."""
@@ -38,15 +42,17 @@ def ranks(run: Run) -> int:
 
 
 def _codes(one: Run, other: Run) -> list[str]:
-    """What two codes differ in: the code, and the contact law where each takes its own."""
+    """What two codes differ in: the code, and the contact law where each takes its own or YADE has not the paper's."""
     if one.code == other.code:
         return []
-    return ["code"] + ["contact.origin"] * (one.scenario["contact.origin"] == "engine")
+    if one.scenario["contact.origin"] == "engine":
+        return [CODE, "contact.origin"]
+    return [CODE_AND_DASHPOT if restitution_equivalent(one.scenario) else CODE]
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs from the very same packed bed; `differs` is `code`, `time.step` or `ranks`."""
+    """Two runs from the very same packed bed; `differs` is CODE, CODE_AND_DASHPOT, `time.step` or `ranks`."""
 
     differs: str
     one: Run
@@ -54,7 +60,7 @@ class Pair:
 
 
 def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
-    """All pairs from one bed that differ in the code alone, in the time step alone (the longer one comes first), or in
+    """All pairs from one bed that differ in the code alone (and what it cannot do otherwise, see CODE_AND_DASHPOT), in the time step alone (the longer one comes first), or in
     the number of ranks alone (fewer come first): another order of sums, so another rounding, and nothing else.
 
     A bed is known by the checksum of its positions and orientations in stages.json.
@@ -69,7 +75,7 @@ def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
                 continue
             differs = changed_keys(one, other) + _codes(one, other)
             differs += ["ranks"] * (ranks(one) != ranks(other))
-            if len(differs) == 1 and differs[0] in ("code", "time.step", "ranks"):
+            if len(differs) == 1 and differs[0] in (CODE, CODE_AND_DASHPOT, "time.step", "ranks"):
                 found.append(Pair(differs[0], one, other))
     return found
 

@@ -247,11 +247,12 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
 
     A row per profile, scenario, reading and bed: largest difference between the codes and largest of the band, both
     over the judged cycles and as a share of the settlement, the state (for which a band of LEAST_PAIRS pairs is
-    needed), and both after the last cycle that the codes share. The band is that of all pairs of one code in that
-    scenario and reading, from whatever bed, and of the `replicates` of the time step's study.
+    needed and no OTHER_DASHPOT), and both after the last cycle that the codes share. The band is that of all pairs of
+    one code in that scenario and reading, from whatever bed, and of the `replicates` of the time step's study.
     """
     more = replicates(pd.DataFrame() if timestep is None else timestep)
-    codes, alone = pairs[pairs["differs"] == "code"], pairs[pairs["differs"] != "code"]
+    of_codes = pairs["differs"].isin([same_bed.CODE, same_bed.CODE_AND_DASHPOT])
+    codes, alone = pairs[of_codes], pairs[~of_codes]
     alone = pd.concat([alone, more.assign(profile="full", reading=TRUE_LOAD)], ignore_index=True)
     codes, alone = (part.assign(size=part["difference_ratio"].abs()) for part in (codes, alone))
     bed = ["profile", "scenario", "reading", "bed"]
@@ -259,10 +260,15 @@ def same_bed_verdicts(pairs: pd.DataFrame, timestep: pd.DataFrame | None = None)
     for where, part in codes.groupby(bed, sort=False):
         band = alone[(alone[bed[:3]] == list(where[:3])).all(axis=1)]
         rows.append(dict(zip(bed, where, strict=True)) | _against_band(part, band))
+        if (part["differs"] == same_bed.CODE_AND_DASHPOT).any():
+            rows[-1]["state"] = OTHER_DASHPOT
     columns = [*bed, "cycles", "codes_ratio", "band_ratio", "band_pairs", "state"]
     columns += ["late_cycle", "codes_late_ratio", "band_late_ratio"]
     return pd.DataFrame(rows, columns=columns)
 
+
+OTHER_DASHPOT = "another dashpot"
+"""State of a pair whose codes differ in the law, too: not judged."""
 
 LEAST_PAIRS = 3
 """Of runs that differ by half a time step or rounding; one or two do not say how far they scatter."""

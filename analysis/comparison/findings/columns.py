@@ -52,7 +52,8 @@ TOLD = {
     "law": Told("contact law: linear or hysteretic"),
     "bed": Told("first digits of the packed bed's checksum"),
     "state": Told(
-        "of a run: finished, interrupted, failed; of a comparison: agrees, differs, cannot tell yet", "verdict"
+        "of a run: finished, interrupted, failed; of a comparison: agrees, differs, cannot tell yet, another dashpot",
+        "verdict",
     ),
     "quantity": Told("what is compared; its unit is in its name or in the column unit"),
     "unit": Told("SI unit of the row's values"),
@@ -79,7 +80,9 @@ TOLD = {
     "steps_ratio": Told("spread of settlement over time steps, over the mean of the study's", "over all time steps"),
     "beds_ratio": Told("spread of settlement over packed beds, over the same mean", "over packed beds"),
     "rounding_ratio": Told("spread of settlement by the number of ranks, over the same mean", "by rounding alone"),
-    "differs": Told("the one thing in which two runs differ: code, time.step or ranks"),
+    "differs": Told(
+        "the one thing in which two runs differ: code, time.step or ranks; or code and dashpot, where YADE has not the paper's"
+    ),
     "one": Told("one run of a pair"),
     "other": Told("the other run of a pair"),
     "codes_ratio": Told("largest difference between the codes, over their mean", "largest difference of the codes"),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from analysis.comparison.same_bed import JUDGED_CYCLES, SHARED_CYCLES, Pair, ranks, settlements
+from analysis.comparison.same_bed import CODE, CODE_AND_DASHPOT, JUDGED_CYCLES, SHARED_CYCLES, Pair, ranks, settlements
 from analysis.normalised.readers import Run
 from analysis.report import style
 from analysis.report.figure import Figure, Gallery
@@ -14,7 +14,8 @@ from analysis.report.labels import MM
 from analysis.report.style import CODE_NAMES, CODE_STYLES, OTHER_STYLE, Canvas, marker_face
 
 DIFFERENCES = {  # name, hue, marker
-    "code": ("the other code", "nonlinear", "s"),
+    CODE: ("the other code", "nonlinear", "s"),
+    CODE_AND_DASHPOT: ("the other code and dashpot", "nonlinear", "s"),
     "time.step": ("half the time step", "md1", "D"),
     "ranks": ("rounding alone", "other", "o"),
 }

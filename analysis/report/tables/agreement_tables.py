@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from analysis.comparison import same_bed
-from analysis.comparison.findings.agreement import AGREES, DIFFERS
+from analysis.comparison.findings.agreement import AGREES, DIFFERS, OTHER_DASHPOT
 from analysis.formats.numbers import plural
 from analysis.report.style import CODE_NAMES
 from analysis.report.tables.table_html import Chip, Shown, Table, between, frame_table, label_of_column, number, shown
@@ -64,7 +64,11 @@ def state_chip(row) -> Chip:
     return Chip(f"cannot tell{wanted}" if wanted else "cannot tell yet", "calm")
 
 
-WITHIN = {AGREES: Chip("yes, within", "good"), DIFFERS: Chip("no, beyond", "bad")}
+WITHIN = {
+    AGREES: Chip("yes, within", "good"),
+    DIFFERS: Chip("no, beyond", "bad"),
+    OTHER_DASHPOT: Chip(OTHER_DASHPOT, "calm"),
+}
 
 
 def within_chip(row) -> Chip:
@@ -112,7 +116,8 @@ def lateral_table(rows: pd.DataFrame) -> Table | None:
 def pair_names(pair: same_bed.Pair) -> tuple[str, str]:
     """What tells the two runs of a pair apart: their codes, time steps or ranks."""
     what = {
-        "code": lambda run: "",
+        same_bed.CODE: lambda run: "",
+        same_bed.CODE_AND_DASHPOT: lambda run: "",
         "time.step": lambda run: f" {shown(1e6 * run.scenario['time.step'])} µs",
         "ranks": lambda run: f" {plural(same_bed.ranks(run), 'rank')}",
     }[pair.differs]
