@@ -211,6 +211,8 @@ def test_the_band_takes_in_the_replicates_of_the_time_step_study():
     assert together["band_late_ratio"] == pytest.approx(2 * 1.1 / 3.1), "later cycles are shown, not judged"
     servo = agreement.same_bed_verdicts(found.assign(reading="servo"), timestep).iloc[0]
     assert servo["band_pairs"] == 0, "the study of the time step is made under the true load"
+    damped = agreement.same_bed_verdicts(found.assign(differs="code and dashpot"), timestep).iloc[0]
+    assert damped["state"] == agreement.OTHER_DASHPOT and damped["codes_ratio"] == 0.04, "told, not judged"
     half = found.assign(bed="e", differs="time.step", difference_ratio=0.5)
     lent = agreement.same_bed_verdicts(pd.concat([found, half]), timestep)
     assert lent["bed"].tolist() == ["c"] and lent["band_pairs"].tolist() == [4], "pairs of another bed count too"

@@ -60,8 +60,9 @@ class Pair:
 
 
 def same_bed_pairs(runs: Iterable[Run]) -> list[Pair]:
-    """All pairs from one bed that differ in the code alone (and what it cannot do otherwise, see CODE_AND_DASHPOT), in the time step alone (the longer one comes first), or in
-    the number of ranks alone (fewer come first): another order of sums, so another rounding, and nothing else.
+    """All pairs from one bed that differ in the code alone (or CODE_AND_DASHPOT), in the time step alone (the longer
+    one comes first), or in the number of ranks alone (fewer come first): another order of sums, so another rounding,
+    and nothing else.
 
     A bed is known by the checksum of its positions and orientations in stages.json.
     """

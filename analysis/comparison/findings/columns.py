@@ -81,7 +81,8 @@ TOLD = {
     "beds_ratio": Told("spread of settlement over packed beds, over the same mean", "over packed beds"),
     "rounding_ratio": Told("spread of settlement by the number of ranks, over the same mean", "by rounding alone"),
     "differs": Told(
-        "the one thing in which two runs differ: code, time.step or ranks; or code and dashpot, where YADE has not the paper's"
+        "the one thing in which two runs differ: code, time.step or ranks; or code and dashpot, where YADE has not the "
+        "paper's"
     ),
     "one": Told("one run of a pair"),
     "other": Told("the other run of a pair"),
