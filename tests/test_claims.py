@@ -315,7 +315,17 @@ def test_a_failed_run_counts_up_to_the_cycle_before_it_failed_and_the_verdict_sa
     for run in runs[:3]:
         run.cycles = run.cycles[:100]
     verdict = judge(1, runs)
-    assert verdict.verdict == OPEN and "nonlinear-en1.0: 99 of 1000 cycles; failed" in verdict.missing
+    assert verdict.verdict == OPEN
+    assert "nonlinear-en1.0: 99 of 1000 cycles; failed after cycle 100" in verdict.missing
+
+
+def test_a_bed_that_fails_early_has_no_late_slope():
+    runs = seeds("nonlinear-en1.0", cycles=200) + seeds("linear-mu0.8")
+    for run in runs[:3]:
+        run.info |= {"state": "failed", "reason": "the sleeper sank through"}
+    verdict = judge(2, runs)
+    assert verdict.verdict == OPEN
+    assert verdict.without_curve == ("the nonlinear model has no slope from cycle 500 to 1000: it fails after 200",)
 
 
 def test_a_run_that_failed_before_its_first_cycle_does_not_count():

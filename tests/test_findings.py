@@ -1,6 +1,7 @@
 """The findings: what runs with known answers say, as tables, before any sentence or figure."""
 
 import cmath
+import json
 import math
 from types import SimpleNamespace
 
@@ -17,6 +18,7 @@ from analysis.comparison.findings.timestep_spread import timestep_spread_table
 from analysis.driver.keep import keep
 from analysis.files import KEPT_RUNS
 from analysis.formats import file_columns
+from analysis.formats.run_record import DIVERGED
 from analysis.normalised.readers import load_runs
 from analysis.reference.ballast_stiffness import ballast_stiffness
 from analysis.reference.curves import load_references
@@ -347,6 +349,15 @@ def test_the_answer_names_the_changes_to_least_and_most_settlement_that_exceed_t
     found = SimpleNamespace(influence=pd.DataFrame(rows, columns=columns))
     (ends,) = extremes(found, ("linear-mu0.8", "nonlinear-en1.0"), "full")
     assert (ends["least"]["variant"], ends["most"]["variant"]) == ("a", "b")
+
+
+def test_the_answer_says_when_and_of_what_a_run_failed(tmp_path):
+    run = write_run(tmp_path, "full", "linear-mu0.8", "liggghts", 20)
+    body = json.loads((run / "run.json").read_text())
+    reason = "sleeper through the floor: 0.33 m down at step 7 of cyclic"
+    (run / "run.json").write_text(json.dumps(body | {"state": "failed", "reason": f"{DIVERGED}{reason}"}))
+    text = " ".join(lines("answer.txt", **answer(find(load_runs(tmp_path), load_references()), KEY_SCENARIOS, "full")))
+    assert "until it fails in cycle 21 (sleeper through the floor: 0.33 m down)" in text
 
 
 # ------------------------------------------------------------------ the README

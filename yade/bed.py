@@ -6,6 +6,7 @@ two sphere centres, into space.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -88,9 +89,10 @@ class Bed:
         return np.array([sum((force(i) for i in members), Vector3.Zero) for members in self._members]).reshape(-1, 3)
 
     def count(self) -> int:
-        """Number of clumps; those that left the simulated space are lost, as they are in LIGGGHTS."""
+        """Number of clumps; those outside of the simulated space are lost, as they are in LIGGGHTS."""
+        low, high = self._space.low, (math.inf, self._space.high[1], math.inf)  # open above and behind the plates
         places = np.array([tuple(state.pos) for state in self._states]).reshape(-1, 3)
-        return int(((places >= self._space.low) & (places <= self._space.high)).all(axis=1).sum())
+        return int(((places >= low) & (places <= high)).all(axis=1).sum())
 
     def kinetic_energy(self) -> float:
         """Mean over the clumps, translation and rotation, J."""

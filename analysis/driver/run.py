@@ -29,6 +29,7 @@ from analysis.driver.record import Record, stored_record
 from analysis.driver.settings import RunSettings, from_here
 from analysis.driver.supervise import DISK_FULL, Interrupted, RunError, StopRequest, Supervisor
 from analysis.formats.errors import InputError
+from analysis.formats.run_record import DIVERGED
 from analysis.scenarios import derived
 from analysis.scenarios.scenario import ScenarioError
 
@@ -147,7 +148,7 @@ class Execution:
             )
             raise
         except Diverged as error:
-            self._fail(f"diverged: {error}")
+            self._fail(f"{DIVERGED}{error}")
         except (RunError, EngineError, ValueError) as error:  # bad scenarios and bad raw files are ValueErrors
             self._fail(str(error))
         except OSError as error:

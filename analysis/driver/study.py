@@ -22,12 +22,11 @@ from analysis.driver.run import run
 from analysis.driver.settings import RESULTS, RunSettings
 from analysis.driver.status import table
 from analysis.formats.errors import InputError
+from analysis.formats.run_record import DIVERGED
 from analysis.scenarios import study_list
 from analysis.scenarios.scenario import SCENARIO_FILE, ScenarioError, load_scenario
 
 COLUMNS = ("part", "scenario", "code", "seed", "cycles", "bed", "done")
-DIVERGED = "diverged: "
-"""How the reason of a run that left the physical begins in run.json."""
 
 
 def settled(folder: Path, cycles: int) -> str:

@@ -19,6 +19,8 @@ FILE = "run.json"
 STATES = ("running", "finished", "interrupted", "failed")
 STAGES = ("packing", "preload", "cyclic")
 REMEDY = "restore the file, or move the run away and run it again"
+DIVERGED = "diverged: "
+"""How the reason of a run that left the physical begins."""
 
 
 @dataclass(kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from analysis.comparison.findings.influence import LEAST_INFLUENCE, size_of_chan
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.comparison.run_quantities import value_after
 from analysis.formats.quantities import CODES
+from analysis.formats.run_record import DIVERGED
 from analysis.reference.ballast_stiffness import ballast_stiffness
 
 
@@ -35,6 +37,8 @@ class Outcome:
     """After the first cycle."""
     longest: int
     """Cycles of the longest run."""
+    failure: str
+    """What ended the longest run in the cycle after; empty where it did not fail."""
     trend: str
     """slowing, steady, growing or empty, of the longest run."""
     rate_m: float
@@ -113,6 +117,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         shared["high"],
         float(first.iloc[0]) if len(first) else math.nan,
         int(last["cycle"]),
+        failure(longest.info),
         spans["trend"].iloc[-1] if len(spans) else "",
         spans["settlement_rate_m"].iloc[-1] if len(spans) else math.nan,
         float(inner.iloc[-1]) if len(inner) else math.nan,
@@ -122,6 +127,14 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         last["sleeper_stress_max_Pa"],
         float(elastic.mean()) if len(elastic) else math.nan,
     )
+
+
+def failure(info: dict) -> str:
+    """What ended a failed run, of `run.json`, without the step and what follows from it; empty for other runs."""
+    if info.get("state") != "failed":
+        return ""
+    reason = (info.get("reason") or "no reason given").removeprefix(DIVERGED)
+    return re.split(r" (?:at|before) step ", reason)[0]
 
 
 def only(frame: pd.DataFrame, **where) -> pd.DataFrame:

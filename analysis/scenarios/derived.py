@@ -128,7 +128,9 @@ def share_of_box(scenario) -> float:
 
 
 def simulated_space(scenario) -> Block:
-    """The space outside of which a clump is lost, in both codes: with room above the box and behind the plates."""
+    """The space outside of which a clump is lost, in both codes, with room above the box and behind the plates. It is
+    open on these two sides, and grows there with the clumps that fly.
+    """
     box = apparatus(scenario)
     high = (box.length_m + 0.2, box.width_m + 0.05, 2 * box.height_m + 0.05)
     low = (box.end_m - 0.05, -0.05, -0.05)

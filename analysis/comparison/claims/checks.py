@@ -22,9 +22,9 @@ from analysis.comparison.claims.claimed_quantities import (
     settlement_difference,
     slope,
 )
-from analysis.comparison.claims.evidence import Check, Claim, Evidence, Measured, finished, widened
+from analysis.comparison.claims.evidence import Check, Claim, Evidence, Measured, failed, finished, widened
 from analysis.comparison.claims.uncertainty import Estimate, coverage
-from analysis.comparison.run_quantities import has_processor_time, value_after
+from analysis.comparison.run_quantities import has_processor_time, last_cycle, value_after
 from analysis.formats.quantities import QUANTITIES, SHOWN_UNITS
 from analysis.scenarios.scenario import load_scenario, scenario_names
 from analysis.scenarios.study_list import key_scenarios
@@ -110,7 +110,9 @@ def late_slope(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
         ours[LINEAR],
         ours[NONLINEAR],
         theirs,
-        without_curve="" if len(curve) else _nearer("late slope", *SHOWN_UNITS["m per cycle"], ours),
+        without_curve=""
+        if len(curve)
+        else _no_late_slope(evidence, thresholds) or _nearer("late slope", *SHOWN_UNITS["m per cycle"], ours),
     )
 
 
@@ -374,6 +376,15 @@ def _nearer(quantity: str, unit: str, factor: float, ours: dict[str, Measured]) 
         f"it holds if the experiment's {quantity} is {side} {factor * (linear.mean + nonlinear.mean) / 2:.3g} {unit}, "
         f"the middle between {factor * nonlinear.mean:.3g} (nonlinear) and {factor * linear.mean:.3g} (linear)"
     )
+
+
+def _no_late_slope(evidence: Evidence, thresholds: dict) -> str:
+    """That the nonlinear bed fails before the late slope ends, where its longest run does."""
+    longest = max((m for m in evidence.members if m.scenario == NONLINEAR), key=finished, default=None)
+    if longest is None or not failed(longest):
+        return ""
+    first, last = thresholds["first"], thresholds["cycles"]
+    return f"the nonlinear model has no slope from cycle {first} to {last}: it fails after {last_cycle(longest.run)}"
 
 
 def _growth(evidence: Evidence, last: int) -> str:

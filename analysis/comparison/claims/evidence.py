@@ -278,7 +278,7 @@ class Evidence:
             return f"{RUN}{scenario}"
         longest = max(found, key=finished)
         if finished(longest) < cycles:
-            ended = "; failed" if longest.run.info.get("state") == "failed" else ""
+            ended = f"; failed after cycle {last_cycle(longest.run)}" if failed(longest) else ""
             return f"{scenario}: {max(finished(longest), 0)} of {cycles} cycles{ended}"
         if undecided:
             return f"{scenario}: a second seed that decides{_seeds(undecided)}"
@@ -395,7 +395,12 @@ def _longest(members: Iterable[Member]) -> list[Member]:
 
 def finished(member: Member) -> int:
     """Cycles of a run that count; those of a failed run up to the one before it failed, and -1 without any."""
-    return last_cycle(member.run) - (member.run.info.get("state") == "failed")
+    return last_cycle(member.run) - failed(member)
+
+
+def failed(member: Member) -> bool:
+    """True for a run that ended because its bed failed."""
+    return member.run.info.get("state") == "failed"
 
 
 def _contact_law(member: Member) -> str:
@@ -425,7 +430,7 @@ def _notes(members: Iterable[Member]) -> tuple[str, ...]:
     for m in members:
         for deviation in m.run.info.get("deviations", []):
             notes.setdefault(str(deviation), []).append(m.scenario)
-        if m.run.info.get("state") == "failed":
+        if failed(m):
             reason = m.run.info.get("reason") or "no reason given"
             note = f"seed {m.run.seed} failed after cycle {last_cycle(m.run)} ({reason}); the cycles before count"
             notes.setdefault(note, []).append(m.scenario)
