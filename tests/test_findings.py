@@ -357,7 +357,7 @@ def test_the_answer_says_when_and_of_what_a_run_failed(tmp_path):
     reason = "sleeper through the floor: 0.33 m down at step 7 of cyclic"
     (run / "run.json").write_text(json.dumps(body | {"state": "failed", "reason": f"{DIVERGED}{reason}"}))
     text = " ".join(lines("answer.txt", **answer(find(load_runs(tmp_path), load_references()), KEY_SCENARIOS, "full")))
-    assert "until it fails in cycle 21 (sleeper through the floor: 0.33 m down)" in text
+    assert "; then it fails (sleeper through the floor: 0.33 m down)" in text
 
 
 # ------------------------------------------------------------------ the README

@@ -41,6 +41,8 @@ class Outcome:
     """What ended the longest run in the cycle after; empty where it did not fail."""
     trend: str
     """slowing, steady, growing or empty, of the longest run."""
+    last_m: float
+    """Settlement after the last cycle of the longest run."""
     rate_m: float
     """Settlement per cycle in its last span of cycles."""
     heave_m: float
@@ -119,6 +121,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         int(last["cycle"]),
         failure(longest.info),
         spans["trend"].iloc[-1] if len(spans) else "",
+        last["settlement_m"],
         spans["settlement_rate_m"].iloc[-1] if len(spans) else math.nan,
         float(inner.iloc[-1]) if len(inner) else math.nan,
         value_after(longest, "resilient_stroke_m", last["cycle"]),
