@@ -233,10 +233,8 @@ def test_engines_miss_a_clump_beside_the_simulated_space_and_none_that_flies(cod
     path, state = folder / "raw" / "bed_packed.csv", folder / "raw" / "state.csv"
     rows = sorted((pose.row for pose in bed_file.read(path)), key=lambda row: row[3])
     (number, *_), (_, x, y, z, *turned) = rows[-2:]
-    y, z = (
-        ({"yade": -0.06, "liggghts": -0.03}[code], z) if lost else (y, z + 0.011)
-    )  # up by a third of the radius of the small bed's spheres
-    rows[-2] = (number, x, y, z, *turned)
+    beside, up = {"yade": -0.06, "liggghts": -0.03}[code], z + 0.011  # a third of the radius of the small bed's spheres
+    rows[-2] = (number, x, beside, z, *turned) if lost else (number, x, y, up, *turned)
     bed_file.write(path, sorted(rows))
     for name in ("state", "preload"):
         (folder / "raw" / f"{name}.csv").unlink()

@@ -380,7 +380,7 @@ def _nearer(quantity: str, unit: str, factor: float, ours: dict[str, Measured]) 
 
 def _no_late_slope(evidence: Evidence, thresholds: dict) -> str:
     """That the nonlinear bed fails before the late slope ends, where its longest run does."""
-    longest = max((m for m in evidence.members if m.scenario == NONLINEAR), key=finished, default=None)
+    longest = evidence.longest(NONLINEAR)
     if longest is None or not failed(longest):
         return ""
     first, last = thresholds["first"], thresholds["cycles"]
@@ -389,7 +389,8 @@ def _no_late_slope(evidence: Evidence, thresholds: dict) -> str:
 
 def _growth(evidence: Evidence, last: int) -> str:
     """By how much the experiment's settlement has to grow, for the difference to be a constant shift."""
-    last = min(last, max((finished(m) for m in evidence.members if m.scenario == NONLINEAR), default=0))
+    longest = evidence.longest(NONLINEAR)
+    last = min(last, finished(longest)) if longest else 0
     if last < 2:
         return ""
     grown = evidence.seen(lambda r: settlement(r, last) - settlement(r, 1), last)

@@ -272,11 +272,15 @@ class Evidence:
             lenders[scenario] = {name: values for name, values in alike.items() if scatters(values)}
         return lenders
 
+    def longest(self, scenario: str) -> Member | None:
+        """The run of the scenario with most cycles that count; None without any run."""
+        return max((m for m in self.members if m.scenario == scenario), key=finished, default=None)
+
     def _why_missing(self, scenario: str, cycles: int, values: int, undecided: Iterable[int]) -> str:
         found = [m for m in self.members if m.scenario == scenario]
         if not found:
             return f"{RUN}{scenario}"
-        longest = max(found, key=finished)
+        longest = self.longest(scenario)
         if finished(longest) < cycles:
             ended = f"; failed after cycle {last_cycle(longest.run)}" if failed(longest) else ""
             return f"{scenario}: {max(finished(longest), 0)} of {cycles} cycles{ended}"
