@@ -10,12 +10,20 @@ from dataclasses import dataclass
 import pandas as pd
 
 from analysis.comparison.claims.evidence import HOLDS, PAPER
-from analysis.comparison.findings.agreement import AGREES, AGREES_WITHIN, DIFFERS, OPEN
+from analysis.comparison.findings.agreement import (
+    AGREES,
+    AGREES_WITHIN,
+    DIFFERS,
+    OPEN,
+    OTHER_DASHPOT,
+    POROSITY_AGREES_WITHIN,
+    RESTATED,
+)
 from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.influence import LEAST_INFLUENCE, size_of_change
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.comparison.run_quantities import value_after
-from analysis.formats.quantities import CODES
+from analysis.formats.quantities import CODES, QUANTITIES
 from analysis.formats.run_record import DIVERGED
 from analysis.reference.ballast_stiffness import ballast_stiffness
 
@@ -53,6 +61,10 @@ class Outcome:
     stress_max_Pa: float
     elastic_m: float
     """What of the settlement springs back at the least prescribed stress, where that was measured; mean over beds."""
+    law: str
+    """Which law describes the settlement of the longest run best: exponential, logarithm, power, line or empty."""
+    exponential_start: str
+    """Whether that run has the exponential start: yes, no, undecided or empty."""
 
     @property
     def first_share(self) -> float:
@@ -108,6 +120,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
     last = longest.cycles.iloc[-1]
     elastic = only(found.elastic, cycle=cycle)
     elastic = elastic[elastic["run"].isin([m.run.id for m in runs])]["elastic_m"]
+    laws = only(found.settlement_laws, run=longest.id)
     return Outcome(
         scenario,
         reading,
@@ -129,6 +142,8 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         last["sleeper_stress_min_Pa"],
         last["sleeper_stress_max_Pa"],
         float(elastic.mean()) if len(elastic) else math.nan,
+        laws["best"].iloc[0] if len(laws) else "",
+        laws["exponential_start"].iloc[0] if len(laws) else "",
     )
 
 
@@ -147,13 +162,29 @@ def only(frame: pd.DataFrame, **where) -> pd.DataFrame:
     return frame
 
 
+def compared(agreement: pd.DataFrame) -> pd.DataFrame:
+    """Each compared quantity at its last compared cycle, rows of the finding; what restates another is left out."""
+    rows = agreement[~agreement["quantity"].isin(RESTATED)]
+    return rows.sort_values("cycle").groupby(["scenario", "reading", "quantity"], sort=False).tail(1)
+
+
 def states(agreement: pd.DataFrame) -> dict[str, int]:
-    """How many quantities agree, differ, or cannot be told, each at its last compared cycle."""
+    """How many of the compared quantities agree, differ, or cannot be told."""
     if agreement.empty:
         return {}
-    last = agreement.sort_values("cycle").groupby(["scenario", "reading", "quantity"], sort=False).tail(1)
-    counts = last["state"].value_counts()
+    counts = compared(agreement)["state"].value_counts()
     return {state: int(counts.get(state, 0)) for state in (AGREES, DIFFERS, OPEN)}
+
+
+def differing(agreement: pd.DataFrame) -> list[dict]:
+    """Which of the compared quantities differ: scenario, reading, names."""
+    if agreement.empty:
+        return []
+    rows = only(compared(agreement), state=DIFFERS)
+    return [
+        {"scenario": scenario, "reading": reading, "names": ", ".join(QUANTITIES[q].label for q in part["quantity"])}
+        for (scenario, reading), part in rows.groupby(["scenario", "reading"], sort=False)
+    ]
 
 
 def claim_counts(verdicts: pd.DataFrame) -> pd.DataFrame:
@@ -179,11 +210,14 @@ def of_the_paper(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> dict[str, dict]:
     """The bed of a key scenario in which the codes differ most within the judged cycles, and that after the late one,
-    where there is one later than these: `within` and `late`.
+    where there is one later than these: `within` and `late`; and the worst bed of those whose dashpot is another one
+    in each code: `damped`.
     """
     rows = verdicts[verdicts["scenario"].isin(scenarios)]
     late = rows[rows["late_cycle"] > rows["cycles"]]
+    others = verdicts[verdicts["state"] == OTHER_DASHPOT]
     found = {"within": rows.sort_values("codes_ratio"), "late": late.sort_values("codes_late_ratio")}
+    found["damped"] = others.sort_values("codes_ratio")
     return {name: part.iloc[-1].to_dict() for name, part in found.items() if len(part)}
 
 
@@ -208,6 +242,33 @@ def servo_filter(servo: pd.DataFrame, scenario: str, profile: str) -> dict:
     """What the servo with its default gain passes of the load, measured and predicted; {} where it is not known."""
     rows = only(servo, profile=profile, scenario=scenario, variant=SERVO).dropna(subset="predicted_amplitude_ratio")
     return rows.sort_values(["cycle", "seed"], ascending=[False, True]).iloc[0].to_dict() if len(rows) else {}
+
+
+def damped(found: Findings, profile: str) -> dict:
+    """How the nonlinear scenarios with damping between particles settle under the true load in LIGGGHTS: number, cycle,
+    least and largest settlement, and how many have the exponential start; {} without runs of them.
+    """
+    names = {
+        m.scenario
+        for m in found.members
+        if (s := m.run.scenario) is not None
+        and s["contact.model"] == "hysteretic"
+        and s["contact.particle_particle.restitution"] < 1
+    }
+    where = {"profile": profile, "reading": TRUE_LOAD, "code": "liggghts"}
+    rows = only(found.values, **where, quantity="settlement_m", cycle=LEAST_TOLD)
+    rows = rows[rows["scenario"].isin(names)]
+    if rows.empty:
+        return {}
+    laws = only(found.settlement_laws, **where, seed=1)
+    laws = laws[laws["scenario"].isin(rows["scenario"]) & (laws["variant"] == "")]
+    return {
+        "scenarios": len(rows),
+        "cycle": LEAST_TOLD,
+        "low_m": rows["mean"].min(),
+        "high_m": rows["mean"].max(),
+        "exponential": int((laws["exponential_start"] == "yes").sum()),
+    }
 
 
 def _bonded(found: Findings, profile: str) -> dict:
@@ -243,10 +304,13 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "bonded": _bonded(found, profile),
         "same_bed": _worst_of_key(only(found.same_bed_verdicts, profile=profile), (linear, nonlinear)),
         "states": states(agreement),
+        "differing": differing(agreement),
+        "damped": damped(found, profile),
         "extremes": extremes(found, (linear, nonlinear), profile),
         "claims": claim_counts(judged).to_dict("records"),
         "claim_count": of_the_paper(judged)["number"].nunique(),
         "agrees_within": AGREES_WITHIN,
+        "porosity_agrees_within": POROSITY_AGREES_WITHIN,
     }
 
 

@@ -1,9 +1,14 @@
-"""The README's made sections: results, from the findings of the kept runs, and hours, from the benchmark."""
+"""The README's made parts, from the kept runs: results, from their findings, hours, from the benchmark, and the figure
+of the settlement.
+"""
 
 from __future__ import annotations
 
 import math
+import shutil
 import sys
+import tempfile
+from pathlib import Path
 
 import pandas as pd
 
@@ -13,11 +18,13 @@ from analysis.comparison.findings.find import Findings, find
 from analysis.files import KEPT_RUNS, ROOT, write_aside
 from analysis.formats import markdown
 from analysis.formats.numbers import readable
-from analysis.normalised.readers import load_runs
-from analysis.reference.curves import load_references
+from analysis.normalised.readers import Runs, load_runs
+from analysis.reference.curves import References, load_references
 from analysis.report.answer import answer
+from analysis.report.figure import Gallery
+from analysis.report.figures.overview_figures import full_settlement_figure
 from analysis.report.labels import SERVO_VARIANT, short_name
-from analysis.report.report_data import KEY_SCENARIOS, PAPER_SCENARIOS
+from analysis.report.report_data import KEY_SCENARIOS, PAPER_SCENARIOS, known_scenarios
 from analysis.report.sentences import lines
 from analysis.report.style import CODE_NAMES
 from analysis.scenarios import derived
@@ -33,7 +40,8 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--check", action="store_true", help="say whether it is up to date, and change nothing")
     options = parser.parse_args(argv)
     try:
-        found = find(load_runs(KEPT_RUNS), load_references(), PAPER_SCENARIOS)
+        runs, references = load_runs(KEPT_RUNS), load_references()
+        found = find(runs, references, PAPER_SCENARIOS)
         if found.problems:
             raise ValueError(found.problems[0])
         now = README.read_text(encoding="utf-8")
@@ -45,8 +53,23 @@ def main(argv: list[str]) -> int:
         print("readme: up to date" if now == wanted else "readme: the kept runs say more; run `make readme`")
         return 0 if now == wanted else 1
     write_aside(README, wanted)
-    print(f"readme: {README.name} written")
+    pictures = draw_settlement(found, runs, references, KEPT_RUNS)
+    print(f"readme: {README.name} written, {', '.join(path.name for path in pictures)} drawn")
     return 0
+
+
+def draw_settlement(found: Findings, runs: Runs, references: References, folder: Path) -> list[Path]:
+    """Draw the overview's figure of the settlement, a picture per model, into `folder`; their paths."""
+    members = [m for m in found.members if m.run.profile == "full" and m.plain]
+    made = []
+    with tempfile.TemporaryDirectory() as aside:
+        gallery = Gallery(Path(aside), f"drawn by {COMMAND} from the kept runs", runs, references, known_scenarios())
+        if full_settlement_figure(gallery, members, KEY_SCENARIOS) is None:
+            return []
+        for drawn in sorted(Path(aside).glob("settlement-full-*.png")):
+            made.append(folder / drawn.name.replace("-full", ""))
+            shutil.copyfile(drawn, made[-1])
+    return made
 
 
 def with_results(text: str, found: Findings) -> str:

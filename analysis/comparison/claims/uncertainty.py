@@ -84,6 +84,12 @@ def estimates(
     return found
 
 
+def one_run(of_seeds: Estimate, value: float) -> Estimate:
+    """The value of a single run that scatters as the seeds of an estimate do."""
+    deviation = of_seeds.standard_error * math.sqrt(of_seeds.seeds)
+    return Estimate(value, deviation, of_seeds.degrees, 1, of_seeds.lent)
+
+
 def combined(variances: Sequence[float], degrees: Sequence[float]) -> float:
     """Degrees of freedom of a sum of independent estimated variances (Welch and Satterthwaite)."""
     total = sum(variances)

@@ -77,9 +77,13 @@ TOLD = {
     "scatter_ratio": Told(
         "standard deviation between packed beds over their mean, pooled over scenarios", "scatter between beds"
     ),
-    "steps_ratio": Told("spread of settlement over time steps, over the mean of the study's", "over all time steps"),
-    "beds_ratio": Told("spread of settlement over packed beds, over the same mean", "over packed beds"),
-    "rounding_ratio": Told("spread of settlement by the number of ranks, over the same mean", "by rounding alone"),
+    "steps_ratio": Told(
+        "standard deviation of settlement over time steps, over the mean of the study's", "over all time steps"
+    ),
+    "beds_ratio": Told("standard deviation of settlement over packed beds, over the same mean", "over packed beds"),
+    "rounding_ratio": Told(
+        "standard deviation of settlement by the number of ranks, over the same mean", "by rounding alone"
+    ),
     "differs": Told(
         "the one thing in which two runs differ: code, time.step or ranks; or code and dashpot, where YADE has not the "
         "paper's"
@@ -128,6 +132,9 @@ TOLD = {
     "predicted_amplitude_ratio": Told(label="predicted amplitude"),
     "lag_rad": Told(label="lag"),
     "predicted_lag_rad": Told(label="predicted lag"),
+    "true_load_stiffness_N_m": Told("dynamic stiffness of the same bed under the true load", "stiffness, true load"),
+    "forecast_amplitude_ratio": Told("predicted with the stiffness under the true load", "forecast amplitude"),
+    "forecast_lag_rad": Told("predicted with the stiffness under the true load", "forecast lag"),
     "elastic_m": Told(label="elastic"),
     "permanent_m": Told(label="permanent"),
     "liggghts_mean": Told(label="LIGGGHTS"),

@@ -67,6 +67,11 @@ class Member:
         return self.run.profile, self.scenario, self.reading, self.run.code
 
     @property
+    def of_bed(self) -> tuple:
+        """Profile, scenario, code, seed: the same in both readings of one bed."""
+        return self.run.profile, self.scenario, self.run.code, self.run.seed
+
+    @property
     def bed(self) -> str:
         """Checksum of the packed bed; empty where it is not known."""
         return str(self.run.stages.get("packing", {}).get("bed_sha256", ""))

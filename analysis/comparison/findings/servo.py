@@ -3,8 +3,8 @@
 The servo moves the sleeper at v = G (F_target - F), G = gain / (K_c dt), where K_c = N k_n is the sum of the
 stiffnesses of the sleeper's N contacts. The bed answers with F = K_bed x, K_bed complex at the load's frequency:
 friction and dashpots make the force lead the displacement by a loss angle. Together dF/dt = (F_target - F) / tau with
-tau = K_c dt / (gain K_bed), and of a sinusoid of angular frequency w the share 1 / (1 + i w tau) passes. K_bed is
-measured and the contacts are counted; nothing is fitted.
+tau = K_c dt / (gain K_bed), and of a sinusoid of angular frequency w the share 1 / (1 + i w tau) passes. The contacts
+are counted. With K_bed of the same run this checks the servo; with K_bed of the run under the true load it forecasts.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from analysis.comparison.findings.members import IDENTITY, SERVO, Member
+from analysis.comparison.findings.members import IDENTITY, SERVO, TRUE_LOAD, Member
 from analysis.comparison.run_quantities import last_cycle
 from analysis.scenarios import derived
 
@@ -41,6 +41,9 @@ SERVO_COLUMNS = (
     "time_constant_s",
     "predicted_amplitude_ratio",
     "predicted_lag_rad",
+    "true_load_stiffness_N_m",
+    "forecast_amplitude_ratio",
+    "forecast_lag_rad",
 )
 
 ELASTIC_COLUMNS = (
@@ -87,6 +90,11 @@ def _complex(waves: pd.DataFrame, amplitude: str, late: str) -> np.ndarray:
     return waves[amplitude].to_numpy() * np.exp(-1j * waves[late].to_numpy())
 
 
+def _bed(measured: dict) -> complex:
+    """Dynamic stiffness of the bed, N/m."""
+    return cmath.rect(measured["bed_stiffness_N_m"], measured["bed_loss_angle_rad"])
+
+
 def sleeper_contacts(member: Member) -> float:
     """Contacts of the sleeper, as counted last; nan where nobody counted."""
     counted = member.run.microstructure["sleeper_contacts"].iloc[1:].dropna()
@@ -105,7 +113,10 @@ def servo_table(found: Iterable[Member]) -> pd.DataFrame:
 
     contacts, contact_stiffness_N_m   of the sleeper: counted at its least load, and times k_n
     predicted_...                     from these, the measured dynamic stiffness of the bed and the gain
+    forecast_...                      the same with the stiffness of the same bed under the true load, not of this run
     """
+    found = list(found)
+    prescribed = {m.of_bed: response(m) for m in found if m.plain and m.reading == TRUE_LOAD and m.run.scenario}
     rows = []
     for m in found:
         if m.reading != SERVO or m.run.scenario is None:
@@ -114,9 +125,10 @@ def servo_table(found: Iterable[Member]) -> pd.DataFrame:
         omega, gain, step = 2 * math.pi * s["loading.frequency"], s["load_control.pfc_gain"], gain_step(s)
         contacts = sleeper_contacts(m)
         stiffness = contacts * s["contact.particle_wall.normal_stiffness"]
-        bed = cmath.rect(measured["bed_stiffness_N_m"], measured["bed_loss_angle_rad"])
-        time_constant = stiffness * step / (gain * bed)
+        time_constant = stiffness * step / (gain * _bed(measured))
         passed = transfer(omega, time_constant)
+        true = prescribed.get(m.of_bed) if m.plain else None
+        forecast = transfer(omega, stiffness * step / (gain * _bed(true))) if true else complex(math.nan, math.nan)
         rows.append(
             m.identity
             | {"law": s["contact.model"], "gain": gain, "gain_step_s": step}
@@ -127,6 +139,9 @@ def servo_table(found: Iterable[Member]) -> pd.DataFrame:
                 "time_constant_s": abs(time_constant),
                 "predicted_amplitude_ratio": abs(passed),
                 "predicted_lag_rad": -cmath.phase(passed),
+                "true_load_stiffness_N_m": true["bed_stiffness_N_m"] if true else math.nan,
+                "forecast_amplitude_ratio": abs(forecast),
+                "forecast_lag_rad": -cmath.phase(forecast),
             }
         )
     return pd.DataFrame(rows, columns=SERVO_COLUMNS)

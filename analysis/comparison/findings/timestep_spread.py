@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 COLUMNS = ("scenario", "cycle", "steps_ratio", "beds_ratio", "rounding_ratio")
@@ -13,7 +12,8 @@ def timestep_spread_table(timestep: pd.DataFrame) -> pd.DataFrame:
 
     timestep   what `make timestep` kept; scenarios without a run of the study's step are left out
 
-    Columns COLUMNS; the ratios are the largest minus the least settlement over the mean of the study's step.
+    Columns COLUMNS; the ratios are standard deviations of the settlement over the mean of the study's step: ranges
+    would grow with the number of runs.
     """
     if timestep.empty:
         return pd.DataFrame(columns=COLUMNS)
@@ -29,6 +29,6 @@ def timestep_spread_table(timestep: pd.DataFrame) -> pd.DataFrame:
             "rounding": part[study | (part["case"] == "rounding")],
         }
         mean = part.loc[study, "settlement_m"].mean()
-        ratios = {f"{name}_ratio": np.ptp(runs["settlement_m"]) / mean for name, runs in varied.items()}
+        ratios = {f"{name}_ratio": runs["settlement_m"].std(ddof=1) / mean for name, runs in varied.items()}
         rows.append({"scenario": scenario, "cycle": int(part["cycle"].iloc[0])} | ratios)
     return pd.DataFrame(rows, columns=COLUMNS)

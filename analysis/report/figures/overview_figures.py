@@ -196,7 +196,8 @@ def full_settlement_figure(gallery: Gallery, members: Sequence[Member], scenario
         scenarios,
         "settlement-full",
         "Settlement of the sleeper on the full bed",
-        "At minimum load, zero at the end of preload; cycles on a logarithmic axis, each model on a scale of its own. "
+        "At the end of a cycle, where the target of the load is least; by PFC's servo the stress lags behind it and "
+        "is then greater. Zero at the end of preload; cycles on a logarithmic axis, each model on a scale of its own. "
         "Each code packs its own beds. Thin lines are single packed beds, the thick line is their mean as far as all "
         "of them reach.",
     )
@@ -210,7 +211,7 @@ def demo_settlement_figure(gallery: Gallery, members: Sequence[Member]) -> Figur
         dict.fromkeys(m.scenario for m in members),
         "settlement-demo",
         "Settlement of the sleeper on the demo bed",
-        "At minimum load, zero at the end of preload.",
+        "At the end of a cycle, where the target of the load is least; zero at the end of preload.",
     )
 
 

@@ -71,8 +71,10 @@ def _panel(name: str, scenario: str, members: Sequence[Curve], rows: pd.DataFram
 def _draw_spheres(canvas: Canvas, curve: Curve, family: str, sign: str) -> None:
     """A curve for each sphere, from microstructure.csv or, in runs without it, from cycles.csv."""
     for k, sphere in enumerate(SPHERE_NAMES, start=1):
-        table = curve.column(f"porosity_{k}", "microstructure")
+        source = "microstructure"
+        table = curve.column(f"porosity_{k}", source)
         if table.empty:
+            source = "cycles"
             table = curve.column(f"porosity_{k}")
         draw(
             canvas,
@@ -82,6 +84,7 @@ def _draw_spheres(canvas: Canvas, curve: Curve, family: str, sign: str) -> None:
             colour=style.shade(family, k - 2.0),
             name=f"{k} {sphere} {CODE_NAMES.get(curve.code, curve.code)}",
             tag=f"{k} {sphere} {sign}".rstrip(),
+            seeds=curve.seeds(f"porosity_{k}", source),
         )
 
 

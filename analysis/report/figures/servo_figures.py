@@ -79,7 +79,7 @@ def stress_range_figure(gallery: Gallery, table: pd.DataFrame) -> Figure | None:
         "servo-range",
         "Least and largest stress on the sleeper by PFC's servo",
         height=0.9 + 0.2 * len(rows),
-        left=2.0,
+        left=2.5,
         right=0.2,
     )
     _draw_ranges(c, rows)

@@ -15,6 +15,7 @@ def timestep_page(data: ReportData) -> dict | None:
     done = table[(table["state"] == "done") & (table["cycle"] == table["cycle"].max())]
     return {
         "spread": spread_table(data.findings.timestep_spread),
+        "spreads": data.findings.timestep_spread.to_dict("records"),
         "shares": shares_table(table),
         "done": len(done),
         "wanted": len(table[["scenario", "case"]].drop_duplicates()),

@@ -28,6 +28,8 @@ def servo_table(table: pd.DataFrame) -> Table | None:
             "predicted_amplitude_ratio",
             "lag_rad",
             "predicted_lag_rad",
+            "forecast_amplitude_ratio",
+            "forecast_lag_rad",
         ],
     )
 
