@@ -23,6 +23,7 @@ from analysis.comparison.findings.find import Findings
 from analysis.comparison.findings.influence import LEAST_INFLUENCE, size_of_change
 from analysis.comparison.findings.members import READINGS, SERVO, TRUE_LOAD
 from analysis.comparison.run_quantities import value_after
+from analysis.formats import file_columns
 from analysis.formats.quantities import CODES, QUANTITIES
 from analysis.formats.run_record import DIVERGED
 from analysis.reference.ballast_stiffness import ballast_stiffness
@@ -54,8 +55,13 @@ class Outcome:
     rate_m: float
     """Settlement per cycle in its last span of cycles."""
     heave_m: float
-    """Heave of the cribs at its end."""
+    """Largest heave of the cribs in it."""
+    outward_m: float
+    """Largest lateral displacement of a plate at its end."""
+    run_in_m: float
+    """By how much the plate that is farthest in has then run inward; 0 where none has."""
     stroke_m: float
+    """Resilient stroke in the cycle that is told, and its peak acceleration."""
     peak_acceleration_m_s2: float
     stress_min_Pa: float
     stress_max_Pa: float
@@ -86,6 +92,9 @@ def outcomes(found: Findings, scenarios: Iterable[str], profile: str) -> dict[tu
 
 JUDGED = "full"
 """Profile of the runs that the paper's claims are judged on."""
+
+PLATE_RUNS_IN_M = 0.05
+"""A plate that has moved inward by more than this, two stones, has no ballast behind it any more."""
 
 LEAST_TOLD = 100
 """Outcomes are told after at least this many cycles where a reading has reached them; a shorter one then is not."""
@@ -118,6 +127,7 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
     spans = only(found.rates, run=longest.id)
     inner = longest.microstructure["crib_heave_m"].dropna()
     last = longest.cycles.iloc[-1]
+    lateral = [last[f"lateral_{k}_m"] for k in file_columns.PLATES]
     elastic = only(found.elastic, cycle=cycle)
     elastic = elastic[elastic["run"].isin([m.run.id for m in runs])]["elastic_m"]
     laws = only(found.settlement_laws, run=longest.id)
@@ -136,9 +146,11 @@ def _outcome(found: Findings, profile: str, scenario: str, reading: str, code: s
         spans["trend"].iloc[-1] if len(spans) else "",
         last["settlement_m"],
         spans["settlement_rate_m"].iloc[-1] if len(spans) else math.nan,
-        float(inner.iloc[-1]) if len(inner) else math.nan,
-        value_after(longest, "resilient_stroke_m", last["cycle"]),
-        value_after(longest, "peak_acceleration_m_s2", last["cycle"]),
+        float(inner.max()) if len(inner) else math.nan,
+        max(lateral),
+        max(0.0, -min(lateral)),
+        value_after(longest, "resilient_stroke_m", cycle),
+        value_after(longest, "peak_acceleration_m_s2", cycle),
         last["sleeper_stress_min_Pa"],
         last["sleeper_stress_max_Pa"],
         float(elastic.mean()) if len(elastic) else math.nan,
@@ -306,6 +318,7 @@ def answer(found: Findings, key_scenarios: tuple[str, ...], profile: str) -> dic
         "states": states(agreement),
         "differing": differing(agreement),
         "damped": damped(found, profile),
+        "plate_runs_in_m": PLATE_RUNS_IN_M,
         "extremes": extremes(found, (linear, nonlinear), profile),
         "claims": claim_counts(judged).to_dict("records"),
         "claim_count": of_the_paper(judged)["number"].nunique(),
