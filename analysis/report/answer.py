@@ -94,7 +94,8 @@ JUDGED = "full"
 """Profile of the runs that the paper's claims are judged on."""
 
 PLATE_RUNS_IN_M = 0.05
-"""A plate that has moved inward by more than this, two stones, has no ballast behind it any more."""
+"""Only where the sleeper has sunk to its height does a plate run inward by more than this, two stones: sleeper and
+plates do not touch each other."""
 
 LEAST_TOLD = 100
 """Outcomes are told after at least this many cycles where a reading has reached them; a shorter one then is not."""
