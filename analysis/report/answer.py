@@ -228,9 +228,11 @@ def _worst_of_key(verdicts: pd.DataFrame, scenarios: tuple[str, ...]) -> dict[st
     """
     rows = verdicts[verdicts["scenario"].isin(scenarios)]
     late = rows[rows["late_cycle"] > rows["cycles"]]
-    others = verdicts[verdicts["state"] == OTHER_DASHPOT]
-    found = {"within": rows.sort_values("codes_ratio"), "late": late.sort_values("codes_late_ratio")}
-    found["damped"] = others.sort_values("codes_ratio")
+    found = {
+        "within": rows.sort_values("codes_ratio"),
+        "late": late.sort_values("codes_late_ratio"),
+        "damped": only(verdicts, state=OTHER_DASHPOT).sort_values("codes_ratio"),
+    }
     return {name: part.iloc[-1].to_dict() for name, part in found.items() if len(part)}
 
 

@@ -60,11 +60,10 @@ def main(argv: list[str]) -> int:
 
 def draw_settlement(found: Findings, runs: Runs, references: References, folder: Path) -> list[Path]:
     """Draw the overview's figure of the settlement, a picture per model, into `folder`; their paths."""
-    members = [m for m in found.members if m.run.profile == "full" and m.plain]
     made = []
     with tempfile.TemporaryDirectory() as aside:
         gallery = Gallery(Path(aside), f"drawn by {COMMAND} from the kept runs", runs, references, known_scenarios())
-        if full_settlement_figure(gallery, members, KEY_SCENARIOS) is None:
+        if full_settlement_figure(gallery, found.members, KEY_SCENARIOS) is None:
             return []
         for drawn in sorted(Path(aside).glob("settlement-full-*.png")):
             made.append(folder / drawn.name.replace("-full", ""))

@@ -291,16 +291,12 @@ def porosity_order(evidence: Evidence, thresholds: dict) -> Iterator[Check]:
 
         what = f"sphere {higher} above sphere {lower} after cycle "
         measured = evidence.measure(f"{what}{last}", difference, last, relative=False)[NONLINEAR]
-        yield evidence.check(f"{what}{last}", "-", lambda x: x, measured)
-        if longest and finished(longest) > last and measured.estimate:
-            end = finished(longest)
+        after = {last: measured}
+        if longest and (end := finished(longest)) > last and measured.estimate:
             of_one = one_run(measured.estimate, difference(longest.run, end))
-            yield evidence.check(
-                f"{what}{end}",
-                "-",
-                lambda x: x,
-                Measured(f"{what}{end}, {NONLINEAR}, seed {longest.run.seed}", of_one),
-            )
+            after[end] = Measured(f"{what}{end}, {NONLINEAR}, seed {longest.run.seed}", of_one)
+        for cycle, value in after.items():
+            yield evidence.check(f"{what}{cycle}", "-", lambda x: x, value)
     spread = evidence.measure(f"range to cycle {last}", lambda r: porosity_range(r, last), last, relative=False)
     yield evidence.check(
         "range wider than in the linear model", "-", lambda non, lin: non - lin, spread[NONLINEAR], spread[LINEAR]

@@ -115,11 +115,11 @@ def servo_table(found: Iterable[Member]) -> pd.DataFrame:
     predicted_...                     from these, the measured dynamic stiffness of the bed and the gain
     forecast_...                      the same with the stiffness of the same bed under the true load, not of this run
     """
-    found = list(found)
-    prescribed = {m.of_bed: response(m) for m in found if m.plain and m.reading == TRUE_LOAD and m.run.scenario}
+    found = [m for m in found if m.run.scenario is not None]
+    prescribed = {m.of_bed: response(m) for m in found if m.plain and m.reading == TRUE_LOAD}
     rows = []
     for m in found:
-        if m.reading != SERVO or m.run.scenario is None:
+        if m.reading != SERVO:
             continue
         s, measured = m.run.scenario, response(m)
         omega, gain, step = 2 * math.pi * s["loading.frequency"], s["load_control.pfc_gain"], gain_step(s)

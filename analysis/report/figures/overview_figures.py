@@ -189,10 +189,10 @@ def both_readings_figure(
 
 
 def full_settlement_figure(gallery: Gallery, members: Sequence[Member], scenarios: Iterable[str]) -> Figure | None:
-    """Settlement on the full bed."""
+    """Settlement on the full bed, of those of `members` that are plain runs of it."""
     return both_readings_figure(
         gallery,
-        members,
+        [m for m in members if m.run.profile == "full" and m.plain],
         scenarios,
         "settlement-full",
         "Settlement of the sleeper on the full bed",

@@ -71,11 +71,10 @@ def _panel(name: str, scenario: str, members: Sequence[Curve], rows: pd.DataFram
 def _draw_spheres(canvas: Canvas, curve: Curve, family: str, sign: str) -> None:
     """A curve for each sphere, from microstructure.csv or, in runs without it, from cycles.csv."""
     for k, sphere in enumerate(SPHERE_NAMES, start=1):
-        source = "microstructure"
-        table = curve.column(f"porosity_{k}", source)
-        if table.empty:
-            source = "cycles"
-            table = curve.column(f"porosity_{k}")
+        for source in ("microstructure", "cycles"):
+            table = curve.column(f"porosity_{k}", source)
+            if len(table):
+                break
         draw(
             canvas,
             curve,

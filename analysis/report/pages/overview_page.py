@@ -18,13 +18,12 @@ MOVING = "bed.webp"
 def overview(data: ReportData) -> dict:
     """Everything on the first page is of the full bed; the demo has a page of its own."""
     found = data.findings
-    members = [m for m in found.members if m.run.profile == PROFILE and m.plain]
     key = KEY_SCENARIOS[0] if KEY_SCENARIOS and KEY_SCENARIOS[0] in known_scenarios() else None
     pending = found.pending.to_dict("records")
     return {
         "answer": lines("answer.txt", **answer(found, KEY_SCENARIOS, PROFILE)),
         "sketch": sketch_figure(data.gallery, load_scenario(key, PROFILE)) if key else None,
-        "settlement": full_settlement_figure(data.gallery, members, KEY_SCENARIOS),
+        "settlement": full_settlement_figure(data.gallery, found.members, KEY_SCENARIOS),
         "tiles": tiles.tiles(data, PROFILE),
         "pending": lines("pending.txt", pending=pending),
         "picture": full_bed_figure(data),
