@@ -27,6 +27,7 @@ def plate_figures(gallery: Gallery, found: Iterable[Member], rows: pd.DataFrame)
         "Plates driven by the difference of force (the default), by PFC's servo, or not moving at all; from the same "
         "packed bed.",
         references=False,
+        to_cycle=int(cycle),
     )
     lateral = lateral_figure(
         gallery,

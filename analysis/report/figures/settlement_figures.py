@@ -38,8 +38,11 @@ def settlement_figure(
     caption: str,
     references: bool = True,
     log_only: bool = False,
+    to_cycle: int | None = None,
 ) -> Figure | None:
-    """Settlement at minimum load against cycles, on a linear and on a logarithmic axis."""
+    """Settlement at minimum load against cycles, to the end of the runs or `to_cycle`, on a linear and on a logarithmic
+    axis.
+    """
     curves = gallery.curves(runs)
     if not curves:
         return None
@@ -48,15 +51,15 @@ def settlement_figure(
     rows = reference_rows(gallery.references, "settlement", scenarios if references else ())
     rows = rows if references else rows.iloc[:0]
     points = reference_csv(rows, cycle="cycle", settlement_m="value", error_m="error")
-    last = last_cycle_of(curves)
+    last = last_cycle_of(curves) if to_cycle is None else to_cycle
     drawn = []
     for log in (True,) if log_only else (False, True):
         c = style.canvas(
             f"{name}-{'log' if log else 'linear'}", f"{title}, {'logarithmic' if log else 'linear'} cycle axis"
         )
         for curve in curves:
-            table = curve.column("settlement_m")
-            seeds = curve.seeds("settlement_m")
+            table = curve.column("settlement_m").loc[:last]
+            seeds = {seed: values.loc[:last] for seed, values in curve.seeds("settlement_m").items()}
             draw(c, curve, table if log else with_start(table), MM, seeds=seeds if log else from_zero(seeds))
         draw_references(c, rows[rows["cycle"] > 0] if log else up_to(rows, last), "cycle", MM)
         c.axes.invert_yaxis()
