@@ -254,7 +254,7 @@ def test_overview_opens_with_the_test_and_the_answer_and_folds_what_is_pending(f
         "Loaded by PFC's servo (default gain)",
         "The bonded model of Chen et al., run here from the paper's Table 3, settles",
         "12 of its 90 bonds broke",
-        "From beds of their own they agree within 25 % (porosities within 5 %) in",
+        "With own beds they agree within 25 % (porosities 5 %) in",
         "end before the paper's 1000 cycles",
         "reference curves of",
     ):
